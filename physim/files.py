@@ -7,6 +7,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import BinaryIO
 from uuid import uuid4
 
 from physim.errors import PhysimError
@@ -112,20 +113,28 @@ def draft(path: Path) -> Iterator[Path]:
         discard(part)
 
 
-def write_whole(path: Path, data: bytes | memoryview) -> None:
-    """Put a file in its place, whole and on the disk; PhysimError where that fails.
+@contextmanager
+def written(path: Path) -> Iterator[BinaryIO]:
+    """A stream to a file that is in its place, whole and on the disk, when the block has ended.
 
-    One that is replaced leaves its permissions.
+    One that is replaced leaves its permissions. Raises PhysimError where it cannot be written; of
+    an error nothing is left.
     """
     try:
         with draft(path) as part, open(part, "wb") as stream:
-            stream.write(data)
+            yield stream
             stream.flush()
             os.fsync(stream.fileno())
             with suppress(FileNotFoundError):
                 part.chmod(stat.S_IMODE(path.stat().st_mode))
     except OSError as error:
         raise PhysimError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def write_whole(path: Path, data: bytes | memoryview) -> None:
+    """As `written`, at once."""
+    with written(path) as stream:
+        stream.write(data)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -1,3 +1,3 @@
-"""The metrics of a record by the name that the documentation gives: ``from physim.metrics …``."""
+"""Figures of a run, each from its record alone: `measure` gives all that have a meaning for it."""
 
 from physim.analysis.metrics import *  # noqa: F403

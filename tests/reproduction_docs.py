@@ -27,12 +27,16 @@ BEGIN, END = "<!-- claims -->\n", "<!-- end of claims -->"
 
 
 def text_of(report: Report) -> str:
-    """The page of a report, its pictures in docs/reproduction/, without videos."""
+    """The page of a report, its pictures in docs/explanation/reproduction/, without videos.
+
+    Its commands are marked: they take too long for the test that runs those of all pages.
+    """
     sections = tuple(
         replace(one, pictures=tuple(f"reproduction/{Path(p).name}" for p in one.pictures))
         for one in report.sections
     )
-    return markdown(replace(report, sections=sections))
+    text = markdown(replace(report, sections=sections))
+    return text.replace("\n```sh\n", "\n<!-- not run: takes long -->\n```sh\n")
 
 
 def write(folder: Path) -> None:

@@ -2,44 +2,33 @@
 
 from __future__ import annotations
 
+import codecs
+import csv
 import fcntl
-import io
 import json
 import os
-from bisect import bisect_right
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from physim._version import __version__
-from physim.campaigns.rows import (
-    FAILED,
-    Rows,
-    columns_of,
-    read_rows,
-    schema,
-    table_of,
-    told,
-)
 from physim.campaigns.rows import FOLDER as ROWS
+from physim.campaigns.rows import Row, Rows, as_table, read_rows, told
 from physim.campaigns.spec import Label, RunSpec, engine, identity_of, key_of, short_hash
 from physim.errors import PhysimError
-from physim.files import write_text, write_whole
+from physim.files import write_text, written
 from physim.json_text import file_json, json_text
 from physim.world.file.files import file_text
 
-if TYPE_CHECKING:
-    import pyarrow as pa
-
-
 CAMPAIGN, RECORDS, WORLDS = "campaign.json", "records", "worlds"
-RESULTS, UNTIL, LOCK = "results.parquet", "until.json", ".lock"
+RESULTS, PARQUET = "results.csv", "results.parquet"
+UNTIL, LOCK = "until.json", ".lock"
 STILLS, VIDEOS, PAGES = "stills", "videos", "pages"
 """Pictures of runs, by their keys, for reports"""
-PARTS = (CAMPAIGN, RESULTS, UNTIL, LOCK, ROWS, RECORDS, WORLDS, STILLS, VIDEOS, PAGES)
+PARTS = (CAMPAIGN, RESULTS, PARQUET, UNTIL, LOCK, ROWS, RECORDS, WORLDS, STILLS, VIDEOS, PAGES)
 """Files and folders of a campaign; the pages of reports stand beside them."""
 FORMAT, VERSION = "physim-campaign", 1
 SPAN = 1 << 40
@@ -296,31 +285,25 @@ def read_tree(path: Path, format: str, version: int) -> dict[str, Any] | None:
     return found
 
 
-def read(folder: str | os.PathLike[str]) -> pa.Table:
+def read(folder: str | os.PathLike[str]) -> list[Row]:
     """All rows, each run once, in the order of world, settings, controller and seed.
 
-    Metrics of one's own have a column each, ``metric_NAME``. Of a run that was done again the last
-    row that did not fail, else the last. Raises PhysimError where there is no campaign, a file of
-    rows cannot be read, or a row is of no run of the campaign (its cell is not in
-    ``campaign.json``, or its key is not that of its cell and seed).
+    Of a run that was done again the last row that did not fail, else the last. Raises PhysimError
+    where there is no campaign, a file of rows cannot be read, or a row is of no run of the campaign
+    (its cell is not in ``campaign.json``, or its key is not that of its cell and seed).
     """
-    import pyarrow as pa
-
     place = Folder(folder)
-    tables, starts, files, count = [schema().empty_table()], [0], place.rows.files(), 0
-    for file in files:
-        for some in read_rows(file):
-            tables.append(table_of(some))
-            count += len(some)
-        starts.append(count)
-    table = pa.concat_tables(tables, promote_options="default")
-    table = table.select([*schema().names, *sorted(columns_of(table))])
-    if wrong := _of_no_run(table, _keys_of(place)):
-        row, why = wrong
-        k = bisect_right(starts, row) - 1
-        where = f"{files[k]}:{row - starts[k] + 1}"
-        raise PhysimError(f"{where}: {why}; is this a row of another campaign?")
-    return each_once(table)
+    known = _keys_of(place)
+
+    def rows() -> Iterator[Row]:
+        for file in place.rows.files():
+            for number, row in enumerate(read_rows(file), 1):
+                if why := _of_no_run(row, known):
+                    where = f"{file}:{number}"
+                    raise PhysimError(f"{where}: {why}; is this a row of another campaign?")
+                yield row
+
+    return each_once(rows())
 
 
 def _keys_of(place: Folder) -> dict[Label, tuple[str, ...]]:
@@ -335,34 +318,35 @@ def _keys_of(place: Folder) -> dict[Label, tuple[str, ...]]:
     return found
 
 
-def _of_no_run(table: pa.Table, known: Mapping[Label, tuple[str, ...]]) -> tuple[int, str] | None:
-    """The first row that is of no run of these cells, and why."""
-    columns = (table[name].to_pylist() for name in (*ORDER, "world_hash", "physim", "engine"))
-    for k, (*label, seed, run, world_hash, physim, by) in enumerate(zip(*columns, strict=True)):
-        cell = known.get(tuple(label))
-        if cell is None:
-            return k, f"{CAMPAIGN} has no runs of {', '.join(part for part in label if part)}"
-        if (key_of(cell[0], seed), world_hash, physim, by) != (run, *cell[1:]):
-            what = f"{CAMPAIGN} makes of its world, controller and seed {seed}"
-            return k, f"run {run} is not what {what}"
-    return None
+def _of_no_run(row: Row, known: Mapping[Label, tuple[str, ...]]) -> str:
+    """Why a row is of no run of these cells; empty where it is of one."""
+    label = row.world, row.settings, row.controller
+    if label not in known:
+        return f"{CAMPAIGN} has no runs of {', '.join(filter(None, label))}"
+    identity, *made_by = known[label]
+    if [key_of(identity, row.seed), *made_by] != [row.run, row.world_hash, row.physim, row.engine]:
+        what = f"{CAMPAIGN} makes of its world, controller and seed {row.seed}"
+        return f"run {row.run} is not what {what}"
+    return ""
 
 
-def each_once(table: pa.Table) -> pa.Table:
+def each_once(rows: Iterable[Row]) -> list[Row]:
     """Of each run the last row that did not fail, or its last row, in the order of cells."""
-    codes = table["run"].combine_chunks().dictionary_encode().indices.to_numpy()
-    if len(codes) and codes.max() + 1 < len(codes):
-        fine = np.array([end not in FAILED for end in table["ended"].to_pylist()])
-        order = np.lexsort((np.arange(len(codes)), fine, codes))
-        last = np.flatnonzero(np.diff(codes[order], append=-1))
-        table = table.take(np.sort(order[last]))
-    return table.sort_by([(name, "ascending") for name in ORDER])
+    found: dict[str, Row] = {}
+    for row in rows:
+        before = found.get(row.run)
+        if before is None or before.failed or not row.failed:
+            found[row.run] = row
+    return sorted(found.values(), key=attrgetter(*ORDER))
 
 
 def write_results(folder: Path) -> None:
-    """Write all rows to ``results.parquet``, whole or not at all. Raises PhysimError as `read`."""
-    import pyarrow.parquet as parquet
+    """Write all rows to ``results.csv``, whole or not at all. Raises PhysimError as `read`.
 
-    made = io.BytesIO()  # parquet takes no path that is not UTF-8
-    parquet.write_table(read(folder), made)
-    write_whole(folder / RESULTS, made.getbuffer())
+    A ``results.parquet`` of before goes: it would lack rows.
+    """
+    rows = read(folder)
+    with written(folder / RESULTS) as stream:
+        lines = csv.writer(codecs.getwriter("utf-8")(stream), lineterminator="\n")
+        lines.writerows(as_table(rows))
+        (folder / PARQUET).unlink(missing_ok=True)

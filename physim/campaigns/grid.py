@@ -23,8 +23,8 @@ from physim.world.layout.scene_builder import build_scene, may_vary, seeds_note
 MOST_RUNS = 1_000_000
 """Runs that are begun without being asked twice"""
 MOST_EVER = 10_000_000
-"""Runs of one folder: reports hold its rows in memory. Measured with 20,000 and 100,000: 330 bytes
-each as a table, 1.1 kB each at most while they are read, so that this many take 11 GB."""
+"""Runs of one folder: reports hold its rows in memory. Measured with 10,000 and 100,000: 1.1 kB
+each, so that this many take 11 GB."""
 MOST_CELLS = 10_000
 ROW_BYTES, RUNS_A_SECOND = 820, 100
 """[bytes] of a row on disk, and the rate of a large machine, for estimates"""

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from itertools import groupby
+from operator import attrgetter
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physim.campaigns.folder import Asked
-from physim.campaigns.rows import DONE, FINISHED, PREFIX, columns_of
+from physim.campaigns.rows import DURATION, FINISHED, PREFIX, Row, own_columns
 from physim.campaigns.spec import Label
-
-if TYPE_CHECKING:
-    import pyarrow as pa
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -54,48 +54,43 @@ class Cell:
 
 
 class Outcomes:
-    """All rows of a campaign, sorted by cell and seed, each column as an array (K,)."""
+    """All rows of a campaign, sorted by cell and seed; columns are arrays (K,)."""
 
-    def __init__(self, table: pa.Table) -> None:
-        self.table = table.sort_by([(name, "ascending") for name in (*CELL, "seed")])
-        self.seed: NDArray[np.int64] = self.table["seed"].to_numpy()
-        groups = self.table.group_by(list(CELL), use_threads=False).aggregate([("seed", "count")])
+    def __init__(self, rows: Iterable[Row]) -> None:
+        self.rows = sorted(rows, key=attrgetter(*CELL, "seed"))
+        self.seed: NDArray[np.int64] = np.array([row.seed for row in self.rows], np.int64)
         found, start = [], 0
-        for one in groups.to_pylist():
-            stop = start + one["seed_count"]
-            found.append(Cell(one["world"], one["settings"], one["controller"], start, stop))
+        for names, group in groupby(self.rows, attrgetter(*CELL)):
+            stop = start + sum(1 for _ in group)
+            found.append(Cell(*names, start, stop))
             start = stop
         self.cells = tuple(found)
 
     def __len__(self) -> int:
         """Number of runs."""
-        return len(self.seed)
+        return len(self.rows)
 
     def column(self, name: str) -> FloatArray:
         """A column of numbers; nan where it has no meaning, and of a metric that no row has."""
-        if name.startswith(PREFIX) and name not in self.own:
-            return np.full(len(self), np.nan)
-        return np.asarray(self.table[name].to_numpy(), float)
-
-    @property
-    def own(self) -> list[str]:
-        """Columns of metrics that packages registered."""
-        return columns_of(self.table)
-
-    def row(self, index: int) -> dict[str, Any]:
-        """One row by names of columns."""
-        found: dict[str, Any] = self.table.slice(index, 1).to_pylist()[0]
-        return found
+        if name.startswith(PREFIX):
+            own = name.removeprefix(PREFIX)
+            return np.array([row.metrics.get(own) for row in self.rows], float)
+        return np.array([getattr(row, name) for row in self.rows], float)
 
     @cached_property
-    def ended(self) -> NDArray[np.object_]:
-        """How each run ended."""
-        return np.array(self.table["ended"].to_pylist(), object)
+    def own(self) -> list[str]:
+        """Columns of metrics that packages registered."""
+        return own_columns(self.rows)
+
+    @cached_property
+    def keys(self) -> list[str]:
+        """Keys of all runs, in their own order."""
+        return sorted(row.run for row in self.rows)
 
     @cached_property
     def failed(self) -> BoolArray:
         """Runs that did not come to an end of their own: error, timeout, killed, interrupted."""
-        return ~self._ended_in(*DONE)
+        return np.array([row.failed for row in self.rows], bool)
 
     @cached_property
     def touched(self) -> BoolArray:
@@ -105,18 +100,17 @@ class Outcomes:
     @cached_property
     def contact_free(self) -> BoolArray:
         """Runs without any contact that came to their end."""
-        none = (self.column("contacts") == 0) & (self.column("grazes") == 0)
-        return np.asarray(none & ~self.failed)
+        return np.array([row.contact_free for row in self.rows], bool)
 
     @cached_property
     def finished(self) -> BoolArray:
         """Runs in which all robots arrived."""
-        return self._ended_in(FINISHED)
+        return np.array([row.ended == FINISHED for row in self.rows], bool)
 
     @cached_property
     def unfinished(self) -> BoolArray:
         """Runs whose time was up before all robots had arrived."""
-        return self._ended_in("duration")
+        return np.array([row.ended == DURATION for row in self.rows], bool)
 
     @cached_property
     def rate(self) -> BoolArray:
@@ -127,9 +121,6 @@ class Outcomes:
         """Runs that count as successes for ``rate``, ``contact_free`` or ``finished``."""
         found: BoolArray = getattr(self, rate)
         return found
-
-    def _ended_in(self, *words: str) -> BoolArray:
-        return np.asarray(np.any([self.ended == word for word in words], axis=0))
 
 
 class Missing(NamedTuple):

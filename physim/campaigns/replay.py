@@ -9,7 +9,7 @@ from physim._version import __version__
 from physim.campaigns.folder import Folder, read
 from physim.campaigns.one_run import figures, one_line, ready, simulation_of
 from physim.campaigns.pool import Job, Processes, Stop, outcomes
-from physim.campaigns.rows import ERROR, Row, rows_of
+from physim.campaigns.rows import ERROR, Row
 from physim.campaigns.sources import own_parts, source_hash, sources_of
 from physim.campaigns.spec import RunSpec, engine, usual_limit
 from physim.errors import PhysimError, RecordError
@@ -23,22 +23,20 @@ LONGEST_NUMBER = 8
 
 
 def find_row(folder: Folder, which: str) -> Row:
-    """Row by its number, from 0 in the order of ``results.parquet``, or by the digits of its run.
+    """Row by its number, from 0 in the order of ``results.csv``, or by the digits of its run.
 
     Raises PhysimError where there is none, or several begin with these digits.
     """
-    from pyarrow import compute
-
-    table = read(folder.path)
+    rows = read(folder.path)
     if re.fullmatch("[0-9]+", which) and len(which) <= LONGEST_NUMBER:
-        if int(which) < table.num_rows:
-            return rows_of(table.slice(int(which), 1))[0]
-        there = f"there are 0 to {table.num_rows - 1}" if table.num_rows else "it has no rows yet"
+        if int(which) < len(rows):
+            return rows[int(which)]
+        there = f"there are 0 to {len(rows) - 1}" if rows else "it has no rows yet"
         raise PhysimError(f"{folder.path}: has no row {which}; {there}")
-    found = table.filter(compute.starts_with(table["run"], which))
-    if found.num_rows == 1 and which:
-        return rows_of(found)[0]
-    what = "has no run" if not found.num_rows else f"has {found.num_rows} runs"
+    found = [row for row in rows if row.run.startswith(which)]
+    if len(found) == 1 and which:
+        return found[0]
+    what = f"has {len(found)} runs" if found else "has no run"
     raise PhysimError(
         f"{folder.path}: {what} whose digits begin with {which[:40]!r}; give a number of a row "
         "(from 0) or the digits in its column run"

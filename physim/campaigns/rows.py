@@ -1,4 +1,4 @@
-"""Rows, one a run: what may stand in them, the files that they are appended to, tables of them.
+"""Rows, one a run: what may stand in them, and the files that they are appended to.
 
 Each sweep appends lines of JSON to a file of its own in ``rows/``. A line is a row once it is
 ended; one that was cut off by a kill or a full disk is none, and its run is done again.
@@ -16,7 +16,7 @@ from contextlib import suppress
 from dataclasses import fields
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, get_type_hints
 from uuid import uuid4
 
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
@@ -25,8 +25,6 @@ from pydantic.dataclasses import dataclass
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
-    import pyarrow as pa
-
     from physim.analysis.metrics.registered import Registered
 
 FOLDER = "rows"
@@ -39,8 +37,6 @@ PREFIX = "metric_"
 """Of columns of metrics of one's own, so that no metric's name is that of another column"""
 LONGEST_ROW = 1_000_000
 """[bytes] of a line; a row has a thousandth of them"""
-TOGETHER = 20_000
-"""Rows that are made a table at a time: memory does not grow with files"""
 
 Ended = Literal["finished", "duration", "interrupted", "error", "timeout", "killed"]
 Count = Annotated[int, Field(ge=0, lt=2**63)]
@@ -70,99 +66,96 @@ class Came(NamedTuple):
         return self.contact_free and self.finished
 
 
+class Column(NamedTuple):
+    """What a column of the results means."""
+
+    meaning: str
+    """one line"""
+    unit: str = ""
+    """empty for texts, "-" for numbers without one"""
+
+
 @dataclass(
     frozen=True, kw_only=True, slots=True,
     config=ConfigDict(strict=True, extra="ignore", allow_inf_nan=False),
 )  # fmt: skip
 class Row:
-    """What came of one run; the fields are the columns. None: it has no meaning for this run."""
+    """What came of one run; the fields are the columns. None: it has no meaning for this run.
 
-    run: Key
-    """key, 20 hex digits"""
-    world: str
-    seed: Count
-    settings: str = ""
-    """ "key=value; key=value" """
-    controller: str = ""
-    physim: str
-    engine: str
-    ended: Ended
-    reason: str = ""
-    """one line"""
-    seconds: Size | None = None
-    """[s] simulated"""
-    robots: Count | None = None
+    A field without a `Column` is the metric of its name: `columns` tells what all of them mean.
+    """
+
+    run: Annotated[Key, Column("key of the run, 20 hex digits")]
+    world: Annotated[str, Column("name of the world")]
+    seed: Annotated[Count, Column("seed of the run", "-")]
+    settings: Annotated[str, Column('values set by the sweep, as "key=value; key=value"')] = ""
+    controller: Annotated[str, Column("registered name, or module:Class")] = ""
+    physim: Annotated[str, Column("version of physim")]
+    engine: Annotated[str, Column("physics engine and its version")]
+    ended: Annotated[Ended, Column("finished, duration, error, timeout or killed")]
+    reason: Annotated[str, Column("why the run failed, on one line")] = ""
+    seconds: Annotated[Size | None, Column("simulated time", "s")] = None
+    robots: Annotated[Count | None, Column("number of robots", "-")] = None
     contacts: Count | None = None
-    """episodes, with robots and with walls"""
     contacts_between_robots: Count | None = None
     contacts_with_boundaries: Count | None = None
     grazes: Count | None = None
-    """contacts between two samples"""
     first_contact: Size | None = None
-    """[s]"""
-    first_contact_pair: str = ""
-    """ "r1, r2" """
+    first_contact_pair: Annotated[
+        str, Column('names of the two in the first contact, as "r1, r2"')
+    ] = ""
     deepest_contact: Size | None = None
-    """[m]"""
     closing_speed: Size | None = None
-    """[m/s] of the severest contact, as the next four"""
     energy_lost: Size | None = None
-    """[J]"""
     impulse: Size | None = None
-    """[N s]"""
-    severest_contact_pair: str = ""
-    severest_contact_time: Size | None = None
-    """[s]"""
+    severest_contact_pair: Annotated[str, Column("names of the two in the severest contact")] = ""
+    severest_contact_time: Annotated[
+        Size | None, Column("when the severest contact began", "s")
+    ] = None
     shortest_distance: Signed | None = None
-    """[m] of two robots; negative: depth"""
     shortest_boundary_distance: Signed | None = None
-    """[m] of a robot and a wall; negative: depth"""
-    least_distance: Signed | None = None
-    """[m] the less of the two"""
-    least_distance_pair: str = ""
-    least_distance_time: Size | None = None
-    """[s]"""
+    least_distance: Annotated[
+        Signed | None,
+        Column("shortest distance of a robot to a robot or wall; negative = depth", "m"),
+    ] = None
+    least_distance_pair: Annotated[str, Column("names of the two that were nearest")] = ""
+    least_distance_time: Annotated[Size | None, Column("when they were nearest", "s")] = None
     shortest_collision_time: Annotated[float, Field(ge=0.0)] | None = None
-    """[s]"""
-    shortest_collision_time_pair: str = ""
-    shortest_collision_time_time: Size | None = None
-    """[s]"""
-    shortest_pair_collision_time: Annotated[float, Field(ge=0.0)] | None = None
-    """[s] of any two robots under the commands applied at decisions; 10 where none is shorter"""
+    shortest_collision_time_pair: Annotated[str, Column("name of the robot that decided then")] = ""
+    shortest_collision_time_time: Annotated[Size | None, Column("time of that decision", "s")] = (
+        None
+    )
+    shortest_pair_collision_time: Annotated[
+        Annotated[float, Field(ge=0.0)] | None,
+        Column(
+            "shortest collision time of any two robots under the commands applied at decisions, "
+            "whatever the controller; 10 where none is shorter", "s",
+        ),
+    ] = None  # fmt: skip
     formation_error_peak: Size | None = None
-    """[m] greatest size"""
     deviation_peak: Size | None = None
-    """[m] greatest size, from the path"""
     time_to_finish: Size | None = None
-    """[s]"""
-    not_arrived: str = ""
-    """ "r1, r3": robots that had not arrived at the end"""
-    stood: str = ""
-    """those of them that stood"""
+    not_arrived: Annotated[str, Column("names of robots that had not arrived at the end")] = ""
+    stood: Annotated[str, Column("names of robots that stood short of their stops")] = ""
     danger_share: Share | None = None
     decisions: Count | None = None
     messages: Count | None = None
-    cpu_seconds: Size | None = None
-    """[s] of the processor"""
-    wall_seconds: Size | None = None
-    """[s] by the clock"""
-    verdict: str = ""
-    """of the validation, where the run was validated"""
-    unexplained: Count | None = None
-    """disagreements of its checks without a cause"""
-    record: Kept = ""
-    """path of a record that was kept, within the folder"""
-    world_hash: Hash = ""
-    """of the effective world without its seed"""
-    digest: Hash = ""
-    """of a record that was kept"""
+    cpu_seconds: Annotated[Size | None, Column("processor time that the run took", "s")] = None
+    wall_seconds: Annotated[Size | None, Column("time by the clock that the run took", "s")] = None
+    verdict: Annotated[str, Column("verdict of the validation (sweep --validate)")] = ""
+    unexplained: Annotated[
+        Count | None, Column("disagreements of the validation without a cause", "-")
+    ] = None
+    record: Annotated[Kept, Column("path in the folder of a record that was kept")] = ""
+    world_hash: Annotated[Hash, Column("hash of the effective world without its seed")] = ""
+    digest: Annotated[Hash, Column("digest of a record that was kept")] = ""
     metrics: Annotated[Metrics, Field(default_factory=dict)]
     """of the metrics that packages registered; in tables each is a column, ``metric_NAME``"""
 
     @property
     def failed(self) -> bool:
-        """Whether it ended by an error, its limit or a kill."""
-        return self.ended in FAILED
+        """Whether it did not come to an end of its own: an error, its limit, a kill."""
+        return self.ended not in DONE
 
     @property
     def contact_free(self) -> bool:
@@ -180,37 +173,33 @@ COLUMNS = tuple(one.name for one in fields(Row) if one.name != "metrics")
 """The columns that all tables of rows have"""
 
 
-def schema() -> pa.Schema:
-    """The columns, as Arrow has them."""
-    import pyarrow as pa
+def columns() -> list[tuple[str, str, str]]:
+    """Name, unit and meaning of each column, in the order of the results.
 
-    whole = ("Count", "int")
-    texts = ("str", "Key", "Kept", "Hash", "Ended")
+    The unit is empty for texts, "-" for numbers without one. Columns of metrics that packages
+    registered, ``metric_NAME``, stand behind them.
+    """
+    from physim.analysis.metrics import DEFINITIONS  # readers of rows need none
 
-    def kind(name: str) -> pa.DataType:
-        return pa.string() if name in texts else pa.int64() if name in whole else pa.float64()
-
-    return pa.schema(
-        [pa.field(one.name, kind(str(one.type).partition(" ")[0])) for one in fields(Row)][:-1]
-    )
-
-
-def table_of(rows: Sequence[Row]) -> pa.Table:
-    """Rows as a table; metrics of one's own have a column each, null where a row has none."""
-    import pyarrow as pa
-
-    columns = zip(*map(attrgetter(*COLUMNS), rows), strict=True) if rows else ((),) * len(COLUMNS)
-    arrays = [pa.array(column, one.type) for column, one in zip(columns, schema(), strict=True)]
-    found = pa.Table.from_arrays(arrays, schema=schema())
-    for name in sorted({name for row in rows for name in row.metrics}):
-        values = pa.array([row.metrics.get(name) for row in rows], pa.float64())
-        found = found.append_column(PREFIX + name, values)
+    found, hints = [], get_type_hints(Row, include_extras=True)
+    for name in COLUMNS:
+        notes = getattr(hints[name], "__metadata__", ())
+        told = [(name, one.unit, one.meaning) for one in notes if isinstance(one, Column)]
+        found += told or [(name, DEFINITIONS[name].unit, DEFINITIONS[name].meaning)]
     return found
 
 
-def rows_of(table: pa.Table) -> list[Row]:
-    """The rows of a table, without metrics of one's own."""
-    return [Row(**one) for one in table.select(list(COLUMNS)).to_pylist()]
+def own_columns(rows: Iterable[Row]) -> list[str]:
+    """Names of the columns of metrics that packages registered: of those that any row has."""
+    return sorted({PREFIX + name for row in rows for name in row.metrics})
+
+
+def as_table(rows: Sequence[Row]) -> Iterator[list[Any]]:
+    """The names of all columns, then the values of each row; None where there is none."""
+    own, values = own_columns(rows), attrgetter(*COLUMNS)
+    yield [*COLUMNS, *own]
+    for row in rows:
+        yield [*values(row), *(row.metrics.get(name.removeprefix(PREFIX)) for name in own)]
 
 
 RENAMED = {
@@ -247,22 +236,18 @@ def _earlier(line: bytes) -> Row:
     return ROW.validate_json(json.dumps(tree))
 
 
-def read_rows(file: Path) -> Iterator[list[Row]]:
-    """Rows of a file, some at a time. A last line that is not ended is none.
+def read_rows(file: Path) -> Iterator[Row]:
+    """Rows of a file, one a line. A last line that is not ended is none.
 
     Raises PhysimError with file, line and column for what is no row.
     """
-    found: list[Row] = []
     number = 0
     try:
         with open(file, "rb") as stream:
             while (line := stream.readline(LONGEST_ROW)).endswith(b"\n"):
                 number += 1
                 old = any(one in line for one in EARLIER)
-                found.append(_earlier(line) if old else ROW.validate_json(line))
-                if len(found) == TOGETHER:
-                    yield found
-                    found = []
+                yield _earlier(line) if old else ROW.validate_json(line)
         if len(line) == LONGEST_ROW:
             number += 1
             raise ValueError(f"is no row: has {LONGEST_ROW} bytes or more")
@@ -272,8 +257,6 @@ def read_rows(file: Path) -> Iterator[list[Row]]:
         raise PhysimError(f"{file}:{number}: is no row: {str(error)[:200]}") from None
     except OSError as error:
         raise PhysimError(f"{file}: cannot be read: {error.strerror}") from None
-    if found:
-        yield found
 
 
 def told(error: ValidationError) -> str:
@@ -342,11 +325,6 @@ def installed() -> Registered:
     from physim.analysis.metrics import DEFINITIONS, own_metrics  # readers of rows need none
 
     return own_metrics(DEFINITIONS)
-
-
-def columns_of(table: pa.Table) -> list[str]:
-    """Names of the columns of one's own metrics."""
-    return [name for name in table.column_names if name.startswith(PREFIX)]
 
 
 def title_of(column: str) -> tuple[str, str]:

@@ -14,7 +14,6 @@ from physim.campaigns.cluster import Cluster
 from physim.campaigns.folder import UNTIL, Folder, read, read_tree, write_results
 from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import KEEP, Taken, one_line, ready, row_without_run, take
-from physim.campaigns.outcomes import Outcomes
 from physim.campaigns.pool import (
     Job,
     LostError,
@@ -232,19 +231,14 @@ def _work(
                 enough = decided(came.pop(waits.key))
                 waits = next(turn, None)
 
-    found = Outcomes(read(place.path))
     keys = set() if isinstance(specs, Grid) else {spec.key for spec in specs}
-    names = ("run", "world", "settings", "controller", "seed")
-    columns = [found.table[name].to_pylist() for name in names]
-    flags = found.failed.tolist(), found.contact_free.tolist(), found.finished.tolist()
-    verdicts = found.table["verdict"].to_pylist()
-    rows = zip(*columns, verdicts, *flags, strict=True)
-    for run, world, settings, controller, seed, verdict, *ends in rows:
-        label = world, settings, controller
-        wanted = specs.has(label, seed, run) if isinstance(specs, Grid) else run in keys
-        if wanted and not (retry and ends[0]) and (verdict or ends[0] or not judged):
+    for row in read(place.path):
+        label = row.world, row.settings, row.controller
+        in_grid = isinstance(specs, Grid) and specs.has(label, row.seed, row.run)
+        again = retry if row.failed else judged and not row.verdict
+        if (in_grid or row.run in keys) and not again:
             tally.before += 1
-            count(run, Came(*ends))
+            count(row.run, row.came)
 
     if isinstance(executor, Cluster):  # modules of one's own go to other machines
         executor.carry([source for cell in _cells(specs) for source in cell.sources])

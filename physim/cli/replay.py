@@ -27,7 +27,7 @@ def replay(
     bit for bit; it is held against the row.
 
     arguments:
-      DIR:ROW  a folder of physim sweep, and the number of a row in its results.parquet, from 0, or
+      DIR:ROW  a folder of physim sweep, and the number of a row in its results.csv, from 0, or
           the digits in its column run, as many as are needed
 
     options:

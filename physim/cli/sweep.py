@@ -54,6 +54,7 @@ def sweep(
     validate: bool = False,
     retry: bool = False,
     yes: bool = False,
+    parquet: bool = False,
     json: bool = False,
     quiet: bool = False,
     out: Out,
@@ -83,13 +84,15 @@ def sweep(
           does: columns verdict and unexplained
       --retry  run those again that failed: by an error, their limit or a kill
       --yes  run more than a million
+      --parquet  also write results.parquet, which needs physim[study]; without this option a
+          results.parquet of before is removed, as it would lack rows
       --json  print the counts as JSON instead
       --quiet  print neither progress nor counts
 
     written to DIR:
-      results.parquet  a row a run: ended, contacts, distances, times, ... (pandas, polars, DuckDB)
-      records/         records that --keep keeps; physim replay makes any other again
-      rows/, worlds/   the rows as they come, the worlds as they are run; campaign.json
+      results.csv     a row a run: ended, contacts, distances, times, ... (spreadsheet, pandas, R)
+      records/        records that --keep keeps; physim replay makes any other again
+      rows/, worlds/  the rows as they come, the worlds as they are run; campaign.json
 
     a run that fails (an error, beyond its limit, a killed process) is a row with its reason
 
@@ -107,7 +110,7 @@ def sweep(
       physim sweep ten_robots --seeds 0:100000 --scheduler tcp://10.0.0.1:8786
     """
     from physim.campaigns.cluster import executor
-    from physim.campaigns.folder import read
+    from physim.campaigns.folder import PARQUET, read
     from physim.campaigns.grid import MOST_RUNS, Shard, make_grid
     from physim.campaigns.outcomes import Outcomes
     from physim.campaigns.report.swept import decided_text, disagreeing, sweep_text, sweep_values
@@ -116,6 +119,8 @@ def sweep(
     from physim.world.file.files import stem_of
     from physim.world.layout.scene_builder import TO_DRAW
 
+    if parquet:
+        from physim.campaigns.parquet import write_parquet  # where it cannot be had nothing is run
     if workers is not None and scheduler is not None:
         raise PhysimError("--workers: cannot be combined with --scheduler, which has its own")
     if until is not None and seeds is None:
@@ -157,6 +162,8 @@ def sweep(
             "(physim replay makes any other again)", file=sys.stderr,
         )  # fmt: skip
     draws, found = {cell.label: cell.draws for cell in grid.cells}, Outcomes(read(folder))
+    if parquet:
+        write_parquet(found.rows, folder / PARQUET)
     if json:
         values = sweep_values(folder, found, draws, tally, decisions)
         print(json_text(values), end="", file=out)
@@ -167,7 +174,7 @@ def sweep(
     for line in wrong:
         print(line, file=sys.stderr)
     if validate and not (wrong or json or quiet):
-        judged = sum(bool(one) for one in found.table["verdict"].to_pylist())
+        judged = sum(bool(row.verdict) for row in found.rows)
         which = (
             "every run" if judged == len(found) else f"{judged:,} of {plural(len(found), 'run')}"
         )

@@ -49,6 +49,7 @@ class ObservedRobot:
     """Another robot within range, as Robot i perceives it."""
 
     index: int
+    """number of that robot, from 0"""
     pose: FloatArray
     """(3,) x, y [m], heading [rad], world frame"""
     footprint: tuple[FloatArray, ...]
@@ -70,6 +71,7 @@ class Neighbour:
     """A formation neighbour: its station is broadcast, so it may be beyond the range."""
 
     index: int
+    """number of that robot, from 0"""
     station: float
     """[m] along the reference path"""
     lead: float
@@ -104,15 +106,17 @@ class Observation:
     """
 
     time: float
-    """[s]"""
+    """[s] now"""
     index: int
+    """number of this robot, from 0"""
     name: str
+    """its name in the world"""
     pose: FloatArray
     """(3,) own x, y, heading (unwrapped)"""
     v: float
     """held command before this decision [m/s]"""
     omega: float
-    """[rad/s]"""
+    """held command before this decision [rad/s]"""
     velocity: FloatArray
     """(3,) what the robot did over the last step, whatever was commanded: vx, vy [m/s], omega
     [rad/s], world frame; 0 at the start"""
@@ -121,25 +125,28 @@ class Observation:
     limits: tuple[float, float]
     """largest |v| [m/s], |omega| [rad/s]"""
     path: Path
+    """own path: ``target(station, ahead)``, ``point``, ``direction``, ``project``, ``length``"""
     station: float
     """[m] own projection q_i along the own path, continuous in time"""
     stop_station: float
-    """[m] along the own path"""
+    """[m] where to stop along the own path"""
     reference_station: float
     """[m] own projection along the reference path"""
     lead: float
     """[m] own desired lead over Robot 1"""
     neighbours: tuple[Neighbour, ...]
+    """formation neighbours, by index"""
     others: tuple[ObservedRobot, ...]
     """robots within ``range``, by index"""
     walls: tuple[Wall, ...]
     """pieces of boundaries and obstacles within ``range`` of the reference point, in the world's
     order"""
     range: float
-    """[m]"""
+    """[m] from the own reference point, within which it senses robots and walls"""
     dt: float
     """[s] physics step: no command holds for less"""
     formation: FormationView
+    """settings of the formation that all its robots know"""
     speeds: tuple[float, ...] | None = None
     """forward speeds set for this robot in the world, multiples of nu; None: the controller's"""
     omegas: tuple[float, ...] | None = None
@@ -179,32 +186,42 @@ class FormationView:
     """The settings of (7) that every robot of the cluster knows."""
 
     active: bool
+    """whether the world has a formation"""
     gain: float
+    """[1/s] alpha of (7)"""
     speed: float
+    """[m/s] steady speed of the formation"""
     v_min: float
+    """[m/s] least speed that (7) may give"""
     v_max: float
+    """[m/s] greatest speed that (7) may give"""
 
 
 @dataclass(frozen=True)
 class Decision:
     """A command and how long it holds.
 
-    ``v`` [m/s] along the heading, ``omega`` [rad/s] counter-clockwise: finite and within the
-    robot's limits, or the run stops. ``hold`` [s] until the next decision, rounded down to physics
-    steps, at least one (0: every step; inf: never again). ``memory`` comes back at the next
-    decision; it must be a value that can be pickled. The rest goes to the record: ``mode`` and
-    ``rule``, by name or as declared (`Mode`, `Rule`); ``considered``, the robots that the decision
-    took into account; ``report``, numbers by the names of declared columns.
+    A command that is not finite, or beyond the robot's limits, stops the run. Mode, rule,
+    considered robots and report go to the record.
     """
 
     v: float
+    """[m/s] along the heading"""
     omega: float
+    """[rad/s] counter-clockwise"""
     hold: float
+    """[s] until the next decision, rounded down to physics steps, at least one: 0 is every step,
+    inf never again"""
     mode: str | Mode | None = None
+    """one of the declared modes, by name or itself"""
     memory: Any = None
+    """comes back at the next decision; any value that can be pickled"""
     rule: str | Rule | None = None
+    """one of the declared rules, by name or itself"""
     considered: Sequence[int] = ()
+    """indices of the robots that the decision took into account"""
     report: Mapping[str, float] = field(default_factory=dict)
+    """numbers by the names of the declared columns"""
 
 
 @runtime_checkable
@@ -265,8 +282,9 @@ class Snapshot(NamedTuple):
     """All robots at one sample, as they are. Arrays never change once they are handed out."""
 
     step: int
+    """number of the sample"""
     pose: FloatArray
-    """(N, 3)"""
+    """(N, 3) x, y [m], heading [rad], world frame"""
     command: FloatArray
     """(N, 2) nominal commands held before this step"""
     velocity: FloatArray
@@ -288,12 +306,13 @@ class Sensed(NamedTuple):
     """
 
     step: int
+    """number of the sample"""
     robot: IntArray
-    """(M,) which robot"""
+    """(M,) index of the robot that the row is about"""
     pose: FloatArray
-    """(M, 3)"""
+    """(M, 3) x, y [m], heading [rad], world frame"""
     command: FloatArray
-    """(M, 2) nominal command held before this step: what was wanted"""
+    """(M, 2) v [m/s], omega [rad/s]: nominal command held before this step, what was wanted"""
     velocity: FloatArray
     """(M, 3) what the body did over the last step: vx, vy [m/s], omega [rad/s], world frame"""
     reference_station: FloatArray
@@ -316,8 +335,9 @@ class Decisions(NamedTuple):
     """Decisions of the robots that were due, one row each, in the order of ``robot``."""
 
     robot: IntArray
+    """(M,) which robots"""
     command: Rows2
-    """(M, 2) nominal"""
+    """(M, 2) nominal v [m/s], omega [rad/s]"""
     hold: FloatArray
     """(M,) [s]"""
     mode: IntArray

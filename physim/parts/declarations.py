@@ -44,11 +44,13 @@ CHECKED = ConfigDict(revalidate_instances="always")
 
 @dataclass(frozen=True)
 class Mode:
-    """A mode of a controller. ``name`` is a word; ``colour`` is ``#rrggbb``."""
+    """A mode of a controller."""
 
     __pydantic_config__: ClassVar[ConfigDict] = CHECKED
     name: Name
+    """a word of small letters, digits and _"""
     colour: Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
+    """``#rrggbb``"""
     words: Words = ""
     """as people read it; the name where it is empty"""
     danger: bool = False
@@ -65,7 +67,9 @@ class Rule:
 
     __pydantic_config__: ClassVar[ConfigDict] = CHECKED
     name: Name
+    """a word, as of a mode"""
     words: Words = ""
+    """as people read it; the name where it is empty"""
 
     def __str__(self) -> str:
         """Words that people read."""
@@ -78,8 +82,11 @@ class Column:
 
     __pydantic_config__: ClassVar[ConfigDict] = CHECKED
     name: Name
+    """a word, as of a mode"""
     unit: Words = "-"
+    """``-`` for shares and counts"""
     words: Words = ""
+    """what it is"""
 
 
 SAFE = Mode("safe", "#0072b2", "safe")

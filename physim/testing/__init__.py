@@ -1,6 +1,6 @@
 """Checks for controllers of one's own, for a test or an afternoon: `check_controller`.
 
-In pytest::
+In pytest:
 
     from physim.testing import check_controller
 

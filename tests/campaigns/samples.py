@@ -7,13 +7,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import pyarrow as pa
-
 from physim.campaigns import Row, RunSpec, spec_of
 from physim.world.file import parse_world
 from tests.helpers import inside
 
-rows_of, table_of = inside("physim.campaigns", "rows_of", "table_of")
 Rows, read_rows, each_once = inside("physim.campaigns", "Rows", "read_rows", "each_once")
 
 WORLD = """\
@@ -91,15 +88,13 @@ def specs(count: int, text: str = WORLD) -> list[RunSpec]:
     return [spec_of(world, seed) for seed in range(count)]
 
 
-def read(folder: Path) -> pa.Table:
-    """All rows of a folder, each run once, whatever its campaign.json tells."""
-    files = Rows(folder).files()
-    return each_once(table_of([row for one in files for some in read_rows(one) for row in some]))
-
-
 def rows_in(folder: Path) -> list[Row]:
-    """Rows of a folder in the order of seeds; none where it has not been made yet."""
-    return rows_of(read(folder)) if (folder / "rows").is_dir() else []
+    """Rows of a folder, each run once, in the order of seeds, whatever its campaign.json tells.
+
+    None where it has not been made yet.
+    """
+    files = Rows(folder).files() if (folder / "rows").is_dir() else []
+    return each_once(row for file in files for row in read_rows(file))
 
 
 def without_times(rows: Iterable[Row]) -> list[dict[str, Any]]:

@@ -11,7 +11,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from physim.cli import main
-from tests.campaigns.tables import row, table
+from tests.campaigns.tables import row
 from tests.cli.commands import physim, tree
 from tests.helpers import check_error, examples, facts, inside
 
@@ -39,9 +39,9 @@ def test_ranges_hold_the_same_seeds_in_as_few_pieces_as_can_be(ranges: list[rang
 @examples(25, deep=100)
 @given(RANGES, st.sets(st.integers(0, 40)))
 def test_missing_are_the_seeds_without_a_row(ranges: list[range], seeds: set[int]) -> None:
-    rows = [{**row(seed), "world": "yard", "settings": "", "controller": YARD[2]} for seed in seeds]
+    rows = [row(seed, controller=YARD[2]) for seed in seeds]
     asked = {k for one in ranges for k in one}
-    found = missing({YARD: merged(ranges)}, Outcomes(table(rows)))
+    found = missing({YARD: merged(ranges)}, Outcomes(rows))
     lacking = len(asked - seeds)
     assert found == (((YARD, lacking, len(asked)),) if lacking else ())
 

@@ -6,9 +6,11 @@ import json
 import re
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from physim.campaigns import Folder
@@ -75,7 +77,46 @@ def test_interrupted_it_says_how_to_go_on(here: Path, more: tuple[str, ...]) -> 
     kept = len(rows_in(here / "out"))
     assert re.search(facts(f"{kept:,}", f"{9_000_000 - kept:,}", "the same command goes on"), err)
     assert out == "" if more else f"{kept} runs" in out
-    assert (here / "out/results.parquet").exists()
+    assert (here / "out/results.csv").exists()
+
+
+WITHOUT_PYARROW = """
+import sys
+
+sys.modules["pyarrow"] = None
+from physim.cli import main
+
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_without_pyarrow_all_works_but_parquet(here: Path) -> None:
+    def done(*arguments: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-c", WITHOUT_PYARROW, *arguments]
+        return subprocess.run(command, capture_output=True, text=True)
+
+    sweep = ("sweep", "small.yaml", "--seeds", "0:3", "--controller", "constant,path_following",
+             "-o", "out", "--workers", "1")  # fmt: skip
+    refused = done(*sweep, "--parquet")
+    assert refused.returncode == 2
+    check_error(refused.stderr, "--parquet", "physim[study]")
+    assert not (here / "out").exists()
+    for command in (sweep, ("report", "out", "--no-pictures"),
+                    ("compare", "out", "--by", "controller"),
+                    ("replay", "out:0", "--no-video")):  # fmt: skip
+        one = done(*command)
+        assert one.returncode == 0, one.stderr
+    assert len((here / "out/results.csv").read_text().splitlines()) == 7
+
+
+@pytest.mark.usefixtures("in_process")
+def test_parquet_is_written_where_it_is_asked_for(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ("sweep", "small.yaml", "--seeds", "0:3", "-o", "out")
+    assert physim(*command, "--parquet", capture=capsys).code == 0
+    assert pd.read_parquet(here / "out/results.parquet")["seed"].tolist() == [0, 1, 2]
+    assert pd.read_csv(here / "out/results.csv")["seed"].tolist() == [0, 1, 2]
 
 
 def test_two_sweeps_in_one_folder_are_refused(here: Path) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from physim.errors import PhysimError
-from tests.campaigns.tables import failed, hit, row, table
+from tests.campaigns.tables import failed, hit, row
 from tests.campaigns.test_report import HOSTILE, Elements
 from tests.helpers import facts, inside
 
@@ -30,7 +30,7 @@ def campaign(shift: float = 0.0, seeds: int = 60, hits: int = 0, **other: Any) -
         value = hard[seed] + noise[1, seed] - shift
         bad = {"contacts": 1} if seed < hits else {}
         rows.append(row(seed, controller="other", least_distance=value, **bad, **other))
-    return Outcomes(table(rows))
+    return Outcomes(rows)
 
 
 def finding(comparisons: list[Comparison], name: str) -> Any:
@@ -71,7 +71,7 @@ def test_the_test_and_the_verdict_are_of_the_same_question() -> None:
     gains = [0.0] * 41 + [0.1] * 57 + [-0.1] * 2
     rows = [row(seed, controller=name, deviation_peak=1.0 - gain * (name == "other"))
             for seed, gain in enumerate(gains) for name in ("good", "other")]  # fmt: skip
-    found = compare(by(Outcomes(table(rows)), "controller"), {"deviation_peak": -1})
+    found = compare(by(Outcomes(rows), "controller"), {"deviation_peak": -1})
     one = finding(found, "deviation_peak")
     assert (one.better, one.only_a, one.only_b, one.ties) == ("b", 2, 57, 41)
     assert one.p_corrected < 1e-4
@@ -117,7 +117,7 @@ def test_a_difference_that_does_not_survive_the_correction_is_not_shown() -> Non
 def test_seeds_of_one_arm_alone_are_told_and_left_out() -> None:
     rows = [row(seed) for seed in range(10)]
     rows += [row(seed, controller="other", least_distance=0.1) for seed in range(4, 12)]
-    found = compare(by(Outcomes(table(rows)), "controller"))
+    found = compare(by(Outcomes(rows), "controller"))
     (one,) = found
     assert (one.seeds, one.a.alone, one.b.alone) == (6, (0, 1, 2, 3), (10, 11))
     assert all(f.pairs == 6 for f in one.findings)
@@ -127,7 +127,7 @@ def test_failed_runs_count_in_rates_and_not_in_measures() -> None:
     rows = [row(seed) for seed in range(10)]
     rows += [failed(seed, controller="other") if seed < 3 else row(seed, controller="other")
              for seed in range(10)]  # fmt: skip
-    found = compare(by(Outcomes(table(rows)), "controller"))
+    found = compare(by(Outcomes(rows), "controller"))
     assert finding(found, "rate").b == 0.7
     assert finding(found, "least_distance").pairs == 7
 
@@ -136,14 +136,14 @@ def test_by_matches_cells_that_are_alike_in_the_rest() -> None:
     rows = [row(seed, world=world, settings=settings, controller=controller)
             for seed in range(3) for world in ("a", "b") for settings in ("", "gain=1")
             for controller in ("x", "y")]  # fmt: skip
-    outcomes = Outcomes(table(rows))
+    outcomes = Outcomes(rows)
     for dimension, place in (("world", 0), ("settings", 1), ("controller", 2)):
         pairs = by(outcomes, dimension)
         assert len(pairs) == 4
         for a, b, _ in pairs:
             differing = [k for k in range(3) if a.cell.names[k] != b.cell.names[k]]
             assert differing == [place]
-    three = Outcomes(table([row(1, controller=name) for name in "xyz"]))
+    three = Outcomes([row(1, controller=name) for name in "xyz"])
     assert [(a.label, b.label) for a, b, _ in by(three, "controller")] == [
         ("x", "y"), ("x", "z"), ("y", "z"),
     ]  # fmt: skip
@@ -152,15 +152,15 @@ def test_by_matches_cells_that_are_alike_in_the_rest() -> None:
 def test_a_is_the_one_that_was_asked_for_first() -> None:
     rows = [row(1, world=world, controller=name) for world in "ab" for name in "xyz"]
     order = [("a", "", "z"), ("a", "", "x"), ("b", "", "z"), ("b", "", "x")]  # y: of another run
-    pairs = by(Outcomes(table(rows)), "controller", order)
+    pairs = by(Outcomes(rows), "controller", order)
     assert [(a.label, b.label, common) for a, b, common in pairs] == [
         (*labels, world) for world in "ab" for labels in (("z", "x"), ("z", "y"), ("x", "y"))
     ]
 
 
 def test_two_campaigns_are_matched_by_what_they_have_in_common() -> None:
-    one = Outcomes(table([row(1, world=world) for world in "ab"]))
-    other = Outcomes(table([row(1, world=world, controller="other") for world in "bc"]))
+    one = Outcomes([row(1, world=world) for world in "ab"])
+    other = Outcomes([row(1, world=world, controller="other") for world in "bc"])
     ((a, b, common),) = between(one, other, ("A", "B"))
     assert (a.label, b.label, common) == ("good", "other", "b")
     same = between(one, one, ("before", "after"))
@@ -170,16 +170,16 @@ def test_two_campaigns_are_matched_by_what_they_have_in_common() -> None:
 
 
 def test_what_cannot_be_compared_is_refused() -> None:
-    one = Outcomes(table([row(1)]))
+    one = Outcomes([row(1)])
     with pytest.raises(PhysimError, match=facts("--by controller", "good")):
         by(one, "controller")
-    many = Outcomes(table([row(1, world=world, controller=c) for world in "ab" for c in "xy"]))
-    other = Outcomes(table([row(1, world="c", controller=c) for c in "xz"]))
+    many = Outcomes([row(1, world=world, controller=c) for world in "ab" for c in "xy"])
+    other = Outcomes([row(1, world="c", controller=c) for c in "xz"])
     with pytest.raises(PhysimError, match=facts("A, B", "x")):
         between(many, other, ("A", "B"))
     with pytest.raises(PhysimError, match="no seed in common"):
-        compare(between(one, Outcomes(table([row(2)])), ("A", "B")))
-    crowd = Outcomes(table([row(1, controller=str(k)) for k in range(30)]))
+        compare(between(one, Outcomes([row(2)]), ("A", "B")))
+    crowd = Outcomes([row(1, controller=str(k)) for k in range(30)])
     with pytest.raises(PhysimError, match=facts("435", "200")):
         compare(by(crowd, "controller"))
 
@@ -187,7 +187,7 @@ def test_what_cannot_be_compared_is_refused() -> None:
 def test_hostile_names_are_only_names() -> None:
     rows = [make(seed, world=HOSTILE, controller=name) for seed in range(8)
             for name, make in ((HOSTILE, row), (HOSTILE + "2", hit))]  # fmt: skip
-    found = compare(by(Outcomes(table(rows)), "controller"))
+    found = compare(by(Outcomes(rows), "controller"))
     page = comparison_page(found, HOSTILE)
     assert "script" not in Elements(page).tags
     for words in (page, comparison_text(found)):

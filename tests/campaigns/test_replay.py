@@ -100,7 +100,7 @@ def test_what_would_not_be_the_same_is_refused(
         ("out", "DIR:ROW"),
         (":1", "DIR:ROW"),
         ("nowhere:0", "no campaign"),
-        ("out/results.parquet:0", "a campaign is a folder"),
+        ("out/results.csv:0", "a campaign is a folder"),
         ("out:4", "0 to 3"),
         ("out:", "digits"),
         ("out:zz", "no run"),

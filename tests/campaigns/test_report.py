@@ -12,10 +12,11 @@ import imageio.v3 as iio
 import numpy as np
 import pytest
 
+from physim.campaigns import Row
 from physim.cli import main
 from physim.units import amount, interval, percent
 from tests.campaigns.real import campaign
-from tests.campaigns.tables import failed, hit, many, row, table
+from tests.campaigns.tables import failed, hit, many, row
 from tests.helpers import facts, inside
 
 Outcomes = inside("physim.campaigns", "Outcomes")
@@ -29,8 +30,8 @@ running = inside("physim.statistics", "running")
 HOSTILE = '<script>alert("1")</script>\x1b[31m\u202e&\'">'
 
 
-def report(rows: list[dict[str, Any]], **given: Any) -> Report:
-    return report_of(Outcomes(table(rows)), "yard", **given)
+def report(rows: list[Row], **given: Any) -> Report:
+    return report_of(Outcomes(rows), "yard", **given)
 
 
 def pages(one: Report, **shown: Any) -> tuple[str, str]:
@@ -156,8 +157,8 @@ def test_runs_that_did_not_finish_are_told_and_shown_by_cell() -> None:
     assert [(len(cell.unfinished), cell.touched, cell.failed) for cell in one.cells] == [
         (10, 0, 0), (3, 3, 0),
     ]  # fmt: skip
-    shown = [one.outcomes.row(index) for index, moment in one.pictured if moment == "end"]
-    assert {(row["controller"], row["ended"]) for row in shown} == {
+    shown = [one.outcomes.rows[index] for index, moment in one.pictured if moment == "end"]
+    assert {(row.controller, row.ended) for row in shown} == {
         ("good", "duration"), ("other", "duration"),
     }  # fmt: skip
     assert json.loads(json.dumps(report_values(one)))["unfinished"][0]["stood"] == {"r3": 10}
@@ -166,11 +167,11 @@ def test_runs_that_did_not_finish_are_told_and_shown_by_cell() -> None:
 def test_hostile_names_are_only_names() -> None:
     rows = [
         row(1, world=HOSTILE, controller=HOSTILE, settings=HOSTILE, physim=HOSTILE,
-            least_distance_pair=HOSTILE, run=HOSTILE),
+            engine=HOSTILE, least_distance_pair=HOSTILE),
         hit(2, world=HOSTILE, least_distance_pair=HOSTILE),
-        failed(3, reason=HOSTILE, ended=HOSTILE, world=HOSTILE),
+        failed(3, reason=HOSTILE, world=HOSTILE),
     ]  # fmt: skip
-    one = report_of(Outcomes(table(rows)), HOSTILE)
+    one = report_of(Outcomes(rows), HOSTILE)
     shown = [Shown(b"PNG", f"javascript:{HOSTILE}", HOSTILE) for _ in one.pictured]
     page = report_page(one, shown)
     plain = Elements(report_page(report([row(1), hit(2), failed(3)]), [Shown()] * 2))

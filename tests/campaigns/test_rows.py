@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import errno
 import json
 import os
@@ -9,17 +10,15 @@ from dataclasses import asdict, replace
 from pathlib import Path
 
 import pandas as pd
-import pyarrow as pa
-import pyarrow.parquet as parquet
 import pytest
 
 from physim.campaigns import Folder, Row
 from physim.errors import PhysimError
-from tests.campaigns.samples import read, rows_in, specs
+from tests.campaigns.samples import rows_in, specs
 from tests.campaigns.tables import many
 from tests.helpers import facts, inside
 
-COLUMNS, schema, Rows = inside("physim.campaigns", "COLUMNS", "schema", "Rows")
+COLUMNS, Rows, write_parquet = inside("physim.campaigns", "COLUMNS", "Rows", "write_parquet")
 row_without_run, write_results = inside("physim.campaigns", "row_without_run", "write_results")
 
 
@@ -76,18 +75,30 @@ def test_of_what_could_not_be_written_nothing_is_left(
 def test_results_open_elsewhere(folder: Path) -> None:
     one, two = specs(3)[1:]
     Folder(folder).open([one])
-    touched = replace(row_without_run(one, "finished", ""), contacts=3, deepest_contact=0.01)
-    Rows(folder).write([row_without_run(two, "error", "x"), touched])
+    touched = replace(row_without_run(one, "finished", ""), contacts=3, deepest_contact=0.1 + 0.2)
+    broke = replace(row_without_run(two, "error", 'x, "y"\nä'), metrics={"a": 1e-320})
+    Rows(folder).write([broke, touched])
+    (folder / "results.parquet").touch()  # of a sweep with fewer rows
     write_results(folder)
-    table = parquet.read_table(folder / "results.parquet")
-    assert table.schema.remove_metadata() == schema()
-    assert tuple(table.column_names) == COLUMNS
-    assert table.schema.field("seed").type == pa.int64()
-    frame = pd.read_parquet(folder / "results.parquet")
+    frame = pd.read_csv(folder / "results.csv")
+    assert tuple(frame.columns) == (*COLUMNS, "metric_a")
     assert frame["seed"].tolist() == [1, 2]
     assert frame["contacts"].isna().tolist() == [False, True]
-    assert frame["deepest_contact"][0] == 0.01
-    assert not list(folder.glob(".*"))
+    assert frame["reason"][1] == broke.reason
+    with open(folder / "results.csv", encoding="utf-8", newline="") as file:
+        first, second = csv.DictReader(file)
+    assert float(first["deepest_contact"]) == 0.1 + 0.2
+    assert float(second["metric_a"]) == 1e-320
+    assert {one.name for one in folder.iterdir() if one.is_file()} == {
+        "campaign.json", "results.csv",
+    }  # fmt: skip
+    write_parquet([touched, broke], folder / "results.parquet")
+    frame = pd.read_parquet(folder / "results.parquet", dtype_backend="numpy_nullable")
+    assert tuple(frame.columns) == (*COLUMNS, "metric_a")
+    assert [frame[name].dtype for name in ("seed", "grazes", "impulse", "stood")] == [
+        "Int64", "Int64", "Float64", "string",
+    ]  # fmt: skip
+    assert frame["deepest_contact"][0] == 0.1 + 0.2
 
 
 FAULTS: list[tuple[str, object]] = [
@@ -113,7 +124,7 @@ def test_what_may_not_stand_in_a_column_is_told_with_its_line(
     (folder / "rows" / "5-2-x-1.jsonl").write_text(text)
     said = facts("5-2-x-1.jsonl:2:", f"{column}:")
     with pytest.raises(PhysimError, match=said):
-        read(folder)
+        rows_in(folder)
 
 
 def test_columns_of_earlier_rows_have_the_names_of_what_they_mean(folder: Path) -> None:
@@ -141,10 +152,10 @@ def test_columns_that_have_the_names_of_metrics_now_are_read_by_their_earlier_na
                "deviation": 0.2, "finish_time": 3, "updates": 4,
                "metrics": "a=1.0; b=-2e-07"}  # fmt: skip
     (folder / "rows" / "5-2-x-1.jsonl").write_text(json.dumps(earlier) + "\n")
-    (one,) = read(folder).to_pylist()
-    assert (one["formation_error_peak"], one["deviation_peak"]) == (0.1, 0.2)
-    assert (one["time_to_finish"], one["decisions"]) == (3.0, 4)
-    assert (one["metric_a"], one["metric_b"]) == (1.0, -2e-07)
+    (one,) = rows_in(folder)
+    assert (one.formation_error_peak, one.deviation_peak) == (0.1, 0.2)
+    assert (one.time_to_finish, one.decisions) == (3.0, 4)
+    assert one.metrics == {"a": 1.0, "b": -2e-07}
 
 
 def test_a_last_line_that_was_cut_off_is_no_row(folder: Path) -> None:
@@ -173,23 +184,18 @@ def test_any_other_damage_is_refused(folder: Path, damage: bytes, before: int) -
     lines = [file.read_bytes()] * before + [damage + b"\n", file.read_bytes()]
     file.write_bytes(b"".join(lines))
     with pytest.raises(PhysimError, match=facts(f"{file.name}:{before + 1}:")):
-        read(folder)
+        rows_in(folder)
 
 
-def test_many_rows_are_read_in_parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("physim.campaigns.rows.TOGETHER", 60)
-    found = many(500, cells=6).to_pylist()
-    given = [Row(**{key: value for key, value in one.items() if key in COLUMNS}) for one in found]
-    rows = Rows(tmp_path)
-    rows.folder.mkdir()
+def test_of_many_rows_each_run_counts_once(folder: Path) -> None:
+    given, rows = many(500, cells=6), Rows(folder)
     rows.write(given)
     again = [replace(one, ended="finished", reason="") for one in given if one.failed][:3]
     worse = [replace(one, ended="killed", time_to_finish=None) for one in given if not one.failed]
     rows.write([*again, *worse])
     expected = {one.run: one for one in [*given, *again]}
     order = sorted(expected.values(), key=lambda one: (one.world, one.controller, one.seed))
-    columns = [{key: getattr(one, key) for key in COLUMNS} for one in order]
-    assert read(tmp_path).to_pylist() == columns
+    assert rows_in(folder) == order
 
 
 def test_rows_with_fewer_or_more_columns(tmp_path: Path) -> None:
@@ -199,5 +205,5 @@ def test_rows_with_fewer_or_more_columns(tmp_path: Path) -> None:
              "ended": "finished", "seconds": 20, "later": [1, 2]}  # fmt: skip
     (rows.folder / "1-2-x-1.jsonl").write_text(json.dumps(small) + "\n", encoding="utf-8")
     (rows.folder / "3-2-x-3.jsonl").touch()
-    (one,) = read(tmp_path).to_pylist()
-    assert (one["seconds"], one["reason"], one["contacts"]) == (20.0, "", None)
+    (one,) = rows_in(tmp_path)
+    assert (one.seconds, one.reason, one.contacts) == (20.0, "", None)

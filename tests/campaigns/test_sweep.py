@@ -97,7 +97,7 @@ def test_a_stopped_sweep_keeps_what_was_finished_and_goes_on(
     assert tally.interrupted
     kept = len(rows_in(tmp_path / "out"))
     assert 5 <= kept == tally.done < 12
-    assert (tmp_path / "out/results.parquet").exists()
+    assert (tmp_path / "out/results.csv").exists()
     rest = sweep(specs(12), tmp_path / "out", Processes(2))
     assert (rest.before, rest.done) == (kept, 12 - kept)
     assert lines_on_disk(tmp_path / "out") == 12

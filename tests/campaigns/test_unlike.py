@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -134,9 +135,9 @@ def test_a_file_that_settings_name_is_part_of_what_a_run_is(
 def test_a_run_made_again_for_its_picture_is_the_run_of_its_row(capsys: Capture) -> None:
     """Not so of a controller that draws numbers of its own, or reads a file that was changed."""
     swept("a", capsys)
-    row = Outcomes(read("a")).row(0)
+    row = read("a")[0]
     record_of(Path("a"), row).close()
-    nearer = {**row, "shortest_distance": row["shortest_distance"] - 0.1}
+    nearer = replace(row, shortest_distance=row.shortest_distance - 0.1)
     with pytest.raises(PhysimError, match="another run: shortest_distance"):
         record_of(Path("a"), nearer)
 

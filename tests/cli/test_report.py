@@ -77,13 +77,13 @@ def test_the_worst_lead_to_pages_at_their_moments(made: Path, capsys) -> None:
     assert physim("report", made, "--pages", "--quiet", capture=capsys).code == 0
     page = Elements((made / "report.html").read_text(encoding="utf-8"))
     links = [value for name, value in page.attributes if name == "href"]
-    rows = read(made).to_pylist()
+    rows = read(made)
     assert sorted(links) == sorted(
-        f"pages/{row['run']}.html#robot={pair.split(', ')[0]}&t={time:.3f}"
+        f"pages/{row.run}.html#robot={pair.split(', ')[0]}&t={time:.3f}"
         for row in rows
         for pair, time in (
-            (row["least_distance_pair"], row["least_distance_time"]),
-            (row["not_arrived"], row["seconds"]),
+            (row.least_distance_pair, row.least_distance_time),
+            (row.not_arrived, row.seconds),
         )
     )
     assert all((made / link.partition("#")[0]).is_file() for link in links)
@@ -198,8 +198,7 @@ def test_rows_without_a_verdict_are_validated_on_request(
     for more, now in ((), 2), (("--validate",), 2), (("--validate",), 0), ((), 0):
         done = physim(*sweep, *more, capture=capsys)
         assert (done.code, json.loads(done.out)["run_now"]) == (0, now)
-    assert read("c")["verdict"].to_pylist() == ["contact-free"] * 2
-    assert read("c")["unexplained"].to_pylist() == [0] * 2
+    assert [(row.verdict, row.unexplained) for row in read("c")] == [("contact-free", 0)] * 2
     row = take(spec_of(parse_world(WORLD), 0, name="small"), "none", None, True).row
     Folder("c").rows.write([replace(row, verdict="checks disagree: once")])
     done = physim(*sweep, "--validate", capture=capsys)
@@ -253,7 +252,7 @@ def test_the_decision_is_the_same_with_any_number_of_workers(
         assert done.code == 0
         (cell,) = json.loads(done.out)["cells"]
         found.append(cell["decision"])
-        runs = read(Path(f"by{workers}"))["seed"].to_pylist()
+        runs = [row.seed for row in read(Path(f"by{workers}"))]
         assert cell["decision"]["runs"] <= len(runs) < 60
         assert runs[: cell["decision"]["runs"]] == list(range(1, cell["decision"]["runs"] + 1))
     assert found[0] == found[1]

@@ -88,11 +88,12 @@ def test_every_command_and_option_of_a_page_exists(page: Path) -> None:
 def test_every_kind_of_part_has_an_example() -> None:
     """docs/how-to/extend.md; the examples themselves run in the deep tier."""
     kinds = inside("physim.parts", "KINDS", "METRIC", "PLOT")
-    groups = {kind.group for kind in (*kinds[0], *kinds[1:])}
-    assert groups == set(extending.entry_points())
-    sections = [{one.section for one in extending.of(kind)} for kind in ("python", "sh", "text")]
-    assert sections[0] == sections[1] == sections[2]
-    assert len(sections[0]) == len(groups)
+    given = extending.entry_points()
+    assert {kind.group for kind in (*kinds[0], *kinds[1:])} == set(given)
+    files = {f"{target.split(':')[0]}.py" for names in given.values() for target in names.values()}
+    assert {block.title for block in extending.of("python")} == files
+    run = "".join(block.text for block in (*extending.of("sh"), *extending.of("text")))
+    assert all(name in run for names in given.values() for name in names)
 
 
 def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
 from physim import Simulation, Step, load_world
 from physim.errors import PhysimError
 from physim.geometry import signed_distance
-from tests.helpers.extending import of
 
 K, M, AHEAD = 6, 5, (0.5, 3.0)
 
@@ -102,12 +99,3 @@ def test_what_may_not_be_asked_for_is_refused() -> None:
     for steps in (0, True, 2.0):
         with pytest.raises(PhysimError, match=r"^steps = "):
             simulation.step(steps=steps)  # type: ignore[arg-type]
-
-
-def test_the_loop_of_the_page_learns_from_robots_that_get_on() -> None:
-    code = "".join(one.text for one in of("py") if one.section == "Reinforcement learning")
-    told: dict[str, Any] = {}
-    exec(compile(code, "EXTENDING.md", "exec"), told)
-    assert told["simulation"].step_number == 200
-    assert told["seen"].shape == (10, 13 + 4 * 8 + 4 * 4)
-    assert (told["reward"] > 0.0).all()

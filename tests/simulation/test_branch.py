@@ -5,7 +5,6 @@ Where nothing was changed, the record of the branch is the end of the original's
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -27,7 +26,6 @@ from physim import (
 )
 from tests.analysis.forgeries.parts import Ramp, Slip
 from tests.helpers import facts, inside, said
-from tests.helpers.extending import of
 
 judge, rerun = inside("physim.analysis", "judge", "rerun")
 DISTURBANCE, FILTER = inside("physim.parts", "DISTURBANCE", "FILTER")
@@ -286,21 +284,6 @@ def test_states_are_kept_only_where_asked_for() -> None:
     for wrong in (0.0, -1.0, float("inf")):
         with pytest.raises(ValueError, match="states = "):
             SaveAt(states=wrong)
-
-
-def test_the_page_s_branch_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    code = "".join(one.text for one in of("py") if one.section == "A branch")
-    monkeypatch.chdir(tmp_path)
-    code = code.replace('"ten_robots"', '"ten_robots", overrides=["time.duration=1"]')
-    with pytest.warns(UserWarning, match="not used by"):
-        exec(code.replace("60.0", "0.5"), {})
-    commands = [
-        line for one in of("console") for line in re.findall(r"^\$ physim (.*)", one.text, re.M)
-    ]
-    assert said(*commands[0].split()[:3], "--at", "0.8", "-o", "both.png").code == 0
-    for name in ("as_it_was", "path_following"):
-        with Record.load(f"{name}.h5") as record:
-            assert record.begun == 0.5
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from physim.campaigns.folder import Asked
 from physim.campaigns.measures import MEASURES, NEAREST, SEVERITY
 from physim.campaigns.outcomes import Cell, FloatArray, Missing, Outcomes, missing
+from physim.campaigns.rows import Row
 from physim.campaigns.spec import Label
 from physim.statistics import (
     RATES,
@@ -147,11 +147,9 @@ class Report:
 
     def versions(self) -> list[str]:
         """``physim 0.1.0``, ``pymunk 7.3.1``: all that the runs were made with."""
-        own, engine = (
-            sorted({str(word) for word in self.outcomes.table[name].unique().to_pylist()})
-            for name in ("physim", "engine")
-        )
-        return [f"physim {word}" for word in own] + engine
+        rows = self.outcomes.rows
+        own = sorted({f"physim {row.physim}" for row in rows})
+        return own + sorted({row.engine for row in rows})
 
 
 def report_of(
@@ -175,7 +173,7 @@ def report_of(
         seeds, rows = outcomes.seed[cell.rows], np.arange(cell.start, cell.stop)
         late = outcomes.unfinished[cell.rows]
         each = max(1, WORST // len(outcomes.cells))
-        ends = outcomes.table.select(["stood", "not_arrived"]).take(rows[late]).to_pylist()
+        ends = [outcomes.rows[k] for k in rows[late]]
         return CellReport(
             cell, rates, {name: Spread.of(one[cell.rows]) for name, one in measures.items()},
             decision, int(np.count_nonzero(outcomes.touched[cell.rows])),
@@ -240,19 +238,16 @@ def _worst_first(
     return tuple(rows[np.lexsort((near, impulse, energy, speed, ~hit))].tolist())
 
 
-def who_stood(rows: Iterable[Mapping[str, Any]]) -> tuple[Robots, Robots]:
+def who_stood(rows: Sequence[Row]) -> tuple[Robots, Robots]:
     """Robots that stood short of their stops at the end of runs, and those that still moved."""
-    rows = list(rows)
-    stood, late = (
-        Counter(name for row in rows for name in (row[column] or "").split(", ") if name)
-        for column in ("stood", "not_arrived")
-    )
+    stood = Counter(name for row in rows for name in row.stood.split(", ") if name)
+    late = Counter(name for row in rows for name in row.not_arrived.split(", ") if name)
     return tuple(stood.most_common()), tuple((late - stood).most_common())
 
 
 def _failures(outcomes: Outcomes, cell: Cell) -> tuple[Failure, ...]:
-    rows = cell.start + np.flatnonzero(outcomes.failed[cell.rows])
     seeds: dict[tuple[str, str], list[int]] = {}
-    for row in outcomes.table.select(["ended", "reason", "seed"]).take(rows).to_pylist():
-        seeds.setdefault((row["ended"] or "", row["reason"] or ""), []).append(row["seed"])
+    for row in outcomes.rows[cell.rows]:
+        if row.failed:
+            seeds.setdefault((row.ended, row.reason), []).append(row.seed)
     return tuple(Failure(cell, *key, tuple(found)) for key, found in seeds.items())

@@ -167,21 +167,22 @@ def _tiles(report: Report, shown: Mapping[tuple[int, str], Shown]) -> Iterator[H
 
 
 def _tile(report: Report, index: int, moment: str, shown: Shown) -> Iterator[Html | None]:
-    row, is_end = report.outcomes.row(index), moment == "end"
+    row, is_end = report.outcomes.rows[index], moment == "end"
     said = text.robots_words(*who_stood([row]), 1) if is_end else text.where(row)
     if shown.still:
         data = base64.b64encode(shown.still).decode("ascii")
-        alt = f"{row['world']}, seed {row['seed']}: {said}"
+        alt = f"{row.world}, seed {row.seed}: {said}"
         yield tag("img", src=f"data:image/png;base64,{data}", alt=alt)
     severity = "" if is_end else f": {true_minus(text.severity_words(row))}"
     bad = " bad" if report.outcomes.touched[index] else ""
-    yield tag("p", f"seed {row['seed']}{severity}", class_=f"big{bad}")
+    yield tag("p", f"seed {row.seed}{severity}", class_=f"big{bad}")
     kinds = {
         "contacts_between_robots": ("contact of robots", "contacts of robots"),
         "contacts_with_boundaries": ("contact with walls", "contacts with walls"),
         "grazes": ("graze between samples", "grazes between samples"),
     }
-    counts = [plural(int(row[key]), *words) for key, words in kinds.items() if row[key]]
+    found = {key: getattr(row, key) for key in kinds}
+    counts = [plural(many, *kinds[key]) for key, many in found.items() if many]
     lines: list[object] = [f"{said}; {', '.join(counts) or 'no contact'}"]
     lines += [f"no picture: {shown.fault}"] if shown.fault else []
     links = {"watch this moment, and ask why": shown.page, "video": shown.video}

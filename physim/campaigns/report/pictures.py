@@ -7,7 +7,6 @@ import shlex
 from collections.abc import Callable, Collection
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 from urllib.parse import urlencode
 
 from physim.analysis.metrics import Figures, Metric, Moment
@@ -17,7 +16,7 @@ from physim.campaigns.replay import check, spec_of_row
 from physim.campaigns.report.contents import Report
 from physim.campaigns.report.page import Shown
 from physim.campaigns.report.text import pair_and_time
-from physim.campaigns.rows import COLUMNS, DONE, Row
+from physim.campaigns.rows import Row
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.simulation.run import record_run
@@ -43,13 +42,13 @@ def pictures(
     """
     found, every = [], report.pictured
     for done, (index, moment) in enumerate(every):
-        row = report.outcomes.row(index)
-        progress(done, len(every), f"seed {row['seed']}")
+        row = report.outcomes.rows[index]
+        progress(done, len(every), f"seed {row.seed}")
         if not stills or stop():
             found.append(Shown())
             continue
         still, video, own = (
-            folder / place / f"{row['run']}{end}"
+            folder / place / f"{row.run}{end}"
             for place, end in ((STILLS, f"-{moment}.png"), (VIDEOS, ".mp4"), (PAGES, ".html"))
         )
         wanted = [still] + [video] * videos + [own] * pages
@@ -73,37 +72,36 @@ def pictures(
     return found
 
 
-def record_of(folder: Path, row: dict[str, Any], controllers: Collection[str] = ()) -> Record:
+def record_of(folder: Path, row: Row, controllers: Collection[str] = ()) -> Record:
     """The kept record of a run, or the run again, in this process: it came to its end before.
 
     Code of one's own is imported only where it is among ``controllers``. Raises PhysimError where
     the run failed, or would not be the same.
     """
-    if row["ended"] not in DONE:
+    if row.failed:
         raise PhysimError("the run failed")
-    one = Row(**{name: row[name] for name in COLUMNS if name in row})
-    kept = folder / "records" / f"{one.run}.h5"
-    if one.record and kept.is_file():
+    kept = folder / "records" / f"{row.run}.h5"
+    if row.record and kept.is_file():
         record, what = Record.load(kept), f"{kept.name} is the record of another run; delete it"
     else:
-        given = one.controller if one.controller in controllers else None
-        if ":" in one.controller and given is None:
-            again = shlex.join(["physim", "report", str(folder), "--controller", one.controller])
+        given = row.controller if row.controller in controllers else None
+        if ":" in row.controller and given is None:
+            again = shlex.join(["physim", "report", str(folder), "--controller", row.controller])
             raise PhysimError(f"its controller is code of your own; {again} runs it and draws this")
-        record = record_run(simulation_of(spec_of_row(Folder(folder), one, given)))
+        record = record_run(simulation_of(spec_of_row(Folder(folder), row, given)))
         what = "made again it is another run"  # as of a controller that draws, or reads a file
-    if differing := check(record, one):
+    if differing := check(record, row):
         record.close()
         raise PhysimError(f"{what}: {differing[0]}")
     return record
 
 
-def _opened_at(row: dict[str, Any], moment: str) -> str:
+def _opened_at(row: Row, moment: str) -> str:
     """What opens the page of a run at a moment, and asks the first robot of it why."""
     robots, time = pair_and_time(row)
     if moment == "end":
-        robots, time = row["stood"] or row["not_arrived"], row["seconds"]
-    asked = {"robot": (robots or "").partition(", ")[0]}
+        robots, time = row.stood or row.not_arrived, row.seconds
+    asked = {"robot": robots.partition(", ")[0]}
     return f"#{urlencode(asked if time is None else {**asked, 't': f'{time:.3f}'})}"
 
 

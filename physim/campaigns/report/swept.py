@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.campaigns.folder import RESULTS
 from physim.campaigns.outcomes import CELL, Outcomes
 from physim.campaigns.report.text import decision_words, over_seeds, replay, run_name
-from physim.campaigns.rows import FAILED
+from physim.campaigns.rows import FAILED, FINISHED, Row
 from physim.campaigns.spec import Label
 from physim.campaigns.sweep import Tally
 from physim.errors import plural
@@ -42,10 +43,10 @@ def sweep_text(folder: Path, outcomes: Outcomes, draws: Mapping[Label, str], tal
             lines.append(f"  {over}")
     were = "was" if tally.before == 1 else "were"
     before = f" ({tally.before} {were} there before)" if tally.before else ""
-    lines.append(f"{plural(tally.known, 'run')}{before}; rows in {folder}/results.parquet")
+    lines.append(f"{plural(tally.known, 'run')}{before}; rows in {folder}/{RESULTS}")
     rows = to_look_at(outcomes, draws)
     if len(rows):
-        shown = [outcomes.row(int(k)) for k in rows[:MOST_NAMED]]
+        shown = [outcomes.rows[k] for k in rows[:MOST_NAMED]]
         lines += ["to look at:", *(f"  {run_name(row)}: {what_came(row)}" for row in shown)]
         if (more := len(rows) - len(shown)) > 0:
             lines.append(f"  … and {more:,} more: physim report {shlex.quote(str(folder))}")
@@ -78,8 +79,8 @@ def sweep_values(
         "to_look_at": {
             "runs": len(rows),
             "first": [
-                {**{key: row[key] for key in keys}, "what": what_came(row)}
-                for row in (outcomes.row(int(k)) for k in rows[:MOST_NAMED])
+                {**{key: getattr(row, key) for key in keys}, "what": what_came(row)}
+                for row in (outcomes.rows[k] for k in rows[:MOST_NAMED])
             ],
         },
     }
@@ -94,9 +95,8 @@ def decided_text(label: Label, one: Decision, goal: Goal) -> str:
 
 def disagreeing(outcomes: Outcomes) -> list[str]:
     """A line for each of the first runs that were validated and in which the checks disagree."""
-    verdicts = outcomes.table["verdict"].to_pylist()
-    rows = [k for k, one in enumerate(verdicts) if (one or "").startswith("checks disagree")]
-    return [f"{run_name(outcomes.row(k))}: {verdicts[k]}" for k in rows[:MOST_NAMED]]
+    rows = [row for row in outcomes.rows if row.verdict.startswith("checks disagree")]
+    return [f"{run_name(row)}: {row.verdict}" for row in rows[:MOST_NAMED]]
 
 
 def counts_of(outcomes: Outcomes, draws: Mapping[Label, str]) -> list[dict[str, Any]]:
@@ -104,7 +104,7 @@ def counts_of(outcomes: Outcomes, draws: Mapping[Label, str]) -> list[dict[str, 
     found = []
     for label, drawn in draws.items():
         rows = _rows(outcomes, label)
-        ends = Counter(outcomes.ended[rows].tolist())
+        ends = Counter(outcomes.rows[k].ended for k in rows)
         found.append({
             **dict(zip(CELL, label, strict=True)),
             "runs": len(rows),
@@ -138,14 +138,14 @@ def _rows(outcomes: Outcomes, label: Label) -> NDArray[np.int64]:
     return found[0] if found else np.zeros(0, np.int64)
 
 
-def what_came(row: Mapping[str, Any]) -> str:
+def what_came(row: Row) -> str:
     """What there is to look at in a run, in a few words."""
-    if row["ended"] in FAILED:
-        return f"{row['ended']}: {row['reason']}" if row["reason"] else str(row["ended"])
+    if row.failed:
+        return f"{row.ended}: {row.reason}" if row.reason else row.ended
     said = []
-    if row["contacts"] or row["grazes"]:
-        when = row["first_contact"]
+    if row.contacts or row.grazes:
+        when = row.first_contact
         said.append("contact" if when is None else f"contact at {when:.2f} s")
-        if row["first_contact_pair"]:
-            said[-1] += f" ({row['first_contact_pair']})"
-    return ", ".join([*said, *["not finished"] * (row["ended"] != "finished")])
+        if row.first_contact_pair:
+            said[-1] += f" ({row.first_contact_pair})"
+    return ", ".join([*said, *["not finished"] * (row.ended != FINISHED)])

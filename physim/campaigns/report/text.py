@@ -7,7 +7,8 @@ import math
 import shlex
 import shutil
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from bisect import bisect_left
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, astuple
 from itertools import compress
 from typing import Any, NamedTuple
@@ -16,6 +17,7 @@ from physim.campaigns.compare import ALPHA, FEWEST_PAIRS, Comparison
 from physim.campaigns.measures import MEASURES, RATE_TITLES, SEVERITY, TOLD, measure_of
 from physim.campaigns.outcomes import CELL, Missing, Outcomes
 from physim.campaigns.report.contents import SHOWN, CellReport, Rate, Report, Robots
+from physim.campaigns.rows import Row
 from physim.errors import plural
 from physim.escaping import escaped
 from physim.json_text import plain
@@ -224,50 +226,54 @@ def worst_table(report: Report) -> Table:
     rows: list[tuple[str, ...]] = []
     for one, cell in zip(report.cells[:MOST_ROWS], brief_names(report), strict=False):
         rows += [(cell, "", "", "")] if cell and one.worst else []
-        for row in map(report.outcomes.row, one.worst):
+        for row in map(report.outcomes.rows.__getitem__, one.worst):
             again = replay(report.title, report.outcomes, row)
-            rows.append((f"· seed {row['seed']}", severity_words(row), where(row), again))
+            rows.append((f"· seed {row.seed}", severity_words(row), where(row), again))
     return Table("the worst runs of each cell", ("", "", "", ""), rows)
 
 
-def replay(folder: str, outcomes: Outcomes, row: Mapping[str, Any]) -> str:
+def replay(folder: str, outcomes: Outcomes, row: Row) -> str:
     """The command that makes a run again; code of one's own is run only when named."""
-    from pyarrow import compute
-
-    keys, key, digits = outcomes.table["run"], str(row["run"]), LEAST_KEY
+    keys, key, digits = outcomes.keys, row.run, LEAST_KEY
+    k = bisect_left(keys, key)
+    beside = [*keys[max(k - 1, 0) : k], *keys[k + 1 : k + 2]]  # the ones most like it
     while digits < len(key) and (
-        compute.sum(compute.starts_with(keys, key[:digits])).as_py() > 1
+        any(one.startswith(key[:digits]) for one in beside)
         or (digits <= LONGEST_ROW_NUMBER and key[:digits].isdecimal())
     ):
         digits += 1
-    own = row["controller"] if ":" in row["controller"] else ""
+    own = row.controller if ":" in row.controller else ""
     named = ["--controller", own] if own else []
     return shlex.join(["physim", "replay", f"{folder}:{key[:digits]}", *named])
 
 
-def severity_words(row: Mapping[str, Any]) -> str:
+def severity_words(row: Row) -> str:
     """How hard the severest contact of a run was, or how near anything came."""
-    known = [(row[name], MEASURES[name].unit) for name in SEVERITY if row[name] is not None]
+    found = {name: getattr(row, name) for name in SEVERITY}
+    known = {name: float(f"{value:.3g}") for name, value in found.items() if value is not None}
     if known:
-        return ", ".join(amount(float(f"{value:.3g}"), unit) for value, unit in known)
-    return "contact" if row["contacts"] or row["grazes"] else amount(row["least_distance"], "m")
+        return ", ".join(amount(value, MEASURES[name].unit) for name, value in known.items())
+    if row.contacts or row.grazes or row.least_distance is None:
+        return "contact"
+    return amount(row.least_distance, "m")
 
 
-def pair_and_time(row: Mapping[str, Any]) -> tuple[str, float | None]:
+def pair_and_time(row: Row) -> tuple[str, float | None]:
     """Whose the severest contact of a run was and when [s], or else the least distance."""
-    of = "least_distance" if row["severest_contact_time"] is None else "severest_contact"
-    return row[f"{of}_pair"] or "", row[f"{of}_time"]
+    if row.severest_contact_time is None:
+        return row.least_distance_pair, row.least_distance_time
+    return row.severest_contact_pair, row.severest_contact_time
 
 
-def where(row: Mapping[str, Any]) -> str:
+def where(row: Row) -> str:
     """``r1, r2 at 3.20 s``: of the severest contact, or else of the least distance."""
     pair, time = pair_and_time(row)
     return f"{pair} at {time:.2f} s" if time is not None else pair
 
 
-def run_name(row: Mapping[str, Any]) -> str:
+def run_name(row: Row) -> str:
     """World, settings, controller and seed of a run."""
-    return ", ".join([*(row[name] for name in CELL if row[name]), f"seed {row['seed']}"])
+    return ", ".join([*filter(None, (row.world, row.settings, row.controller)), f"seed {row.seed}"])
 
 
 def robots_words(stood: Robots, moved: Robots, runs: int) -> str:
@@ -317,7 +323,7 @@ def decision_words(decision: Decision, goal: Goal) -> str:
 
 def report_values(report: Report) -> dict[str, Any]:
     """All figures, in types that JSON knows; nan is null. Units: m, s; shares from 0 to 1."""
-    rows = [report.outcomes.row(index) for one in report.cells for index in one.worst]
+    rows = [report.outcomes.rows[index] for one in report.cells for index in one.worst]
     values: dict[str, Any] = plain({
         "format": "physim-campaign-report",
         "version": 1,
@@ -347,8 +353,8 @@ def report_values(report: Report) -> dict[str, Any]:
             for one in report.cells
         ],
         "worst": [
-            {"run": row["run"], "name": run_name(row),
-             **{name: row[name] for name in ("least_distance", *SEVERITY)}}
+            {"run": row.run, "name": run_name(row),
+             **{name: getattr(row, name) for name in ("least_distance", *SEVERITY)}}
             for row in rows
         ],
         "unfinished": [

@@ -351,7 +351,7 @@ def render(
     completed with the frames so far, and named ``cut_short`` if that is given.
 
     The file appears under its name only when it is complete. Raises
-    `physim.errors.PhysimError` (one line) when it cannot be written or nothing can be shown.
+    PhysimError (one line) when it cannot be written or nothing can be shown.
     """
     kind = kind_of(Path(path))
     fps, width = rate(kind, fps), kind.width if width is None else width
@@ -406,7 +406,7 @@ def frame_at(
 
     It equals the video's frame of that time but for the places of names, which glide in a video;
     ``beside`` as for `render`. A time outside the record is taken to its nearer end. Raises
-    `physim.errors.PhysimError`.
+    PhysimError.
     """
     if not math.isfinite(time):
         raise PhysimError(f"time of a still: {time} given; allowed: a finite number of seconds")
@@ -446,7 +446,7 @@ def still(
 ) -> None:
     """Write the picture of a record at ``time`` [s] as PNG; the others as for `render`.
 
-    Raises `physim.errors.PhysimError` (one line) for a time outside the run and for a place that
+    Raises PhysimError (one line) for a time outside the run and for a place that
     cannot be written.
     """
     check_still(Path(path))

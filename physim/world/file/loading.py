@@ -59,7 +59,12 @@ def load_world(
     overrides: Sequence[str] = (),
     controller: str | None = None,
 ) -> World:
-    """The world alone, read as by `read_world`; what is to be noted is a Python warning each."""
+    """Read a world file, a shipped world by its name (`straight`), or that inside a ``record.h5``.
+
+    ``overrides`` (``["time.step=0.02"]``, or one alone as a text) and ``controller`` are as the
+    command line gives them; the controller may be ``module:Class``. Raises WorldError with every
+    fault found, each with its line and column. What should be noted is a Python warning.
+    """
     world, document = read_world(path, overrides=overrides, controller=controller)
     for line in document.lines(document.warnings):
         warn(line, stacklevel=2)
@@ -74,7 +79,11 @@ def parse_world(
     controller: str | None = None,
     check_controller: bool = True,
 ) -> World:
-    """Read a world from the text of a world file, as `read_world` does from a file."""
+    """Read a world from the text of a world file, as `load_world` does from a file.
+
+    ``source`` is what messages call the text. Without ``check_controller`` names and settings of
+    controller and stages are taken as they are written, and none of them is looked up or imported.
+    """
     document = read_document(text, source)
     return _world_of(document, overrides, controller, None, check_controller)[0]
 

@@ -1,7 +1,8 @@
 """Frames per second of the video: drawing alone, and drawing with encoding.
 
-By processor time, of this process and the encoder, and by the wall clock; the still at the end of a video is not
-counted. On the shipped world of ten robots and on a corridor with a thousand, or on records given::
+By processor time, of this process and the encoder, and by the wall clock; the still at the end of a
+video is not counted. On the shipped world of ten robots and on a corridor with a thousand, or on
+records given::
 
     python benchmarks/video.py [RECORD ...]
 """

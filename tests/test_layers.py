@@ -217,7 +217,6 @@ def test_third_parties_stay_where_they_belong() -> None:
     allowed = {
         "pymunk": ("physim.simulation.engine",),
         "h5py": ("physim.record", "physim.world.file"),  # the world inside a record
-        "cv2": ("physim.drawing.video",),
         "svgelements": ("physim.authoring",),
         "lxml": ("physim.authoring",),
         "imageio_ffmpeg": ("physim.drawing.video",),

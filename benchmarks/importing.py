@@ -57,7 +57,7 @@ def main() -> None:
             text = f"image: map.pgm\nresolution: {RESOLUTION}\norigin: [0.0, 0.0, 0.0]\nnegate: 0\n"
             Path(folder, "map.yaml").write_text(text)
             command = [sys.executable, "-m", "physim", "import", "map.yaml", "-o", "world.yaml",
-                       "--robots", "5", "--force"]  # fmt: skip
+                       "--robots", "5", "--robot", "fit", "--force"]  # fmt: skip
             wall, cpu = [], []
             for _ in range(RUNS):
                 start, before = time.perf_counter(), os.times()

@@ -1,4 +1,4 @@
 """Controllers shipped with physim, each rule of the paper in a module of its own.
 
-docs/explanation/symbols.md lists symbol, name in code, unit and equation.
+The page "Notation" of the documentation lists symbol, name in code, unit and equation.
 """

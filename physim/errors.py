@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from physim.escaping import escaped
+
+MOST_FAULTS = 100
+"""Causes of faults of one world that have a line each"""
 
 Location = tuple[str | int, ...]
 """Where in a world a fault lies, e.g. ``("robots", 2, "pose", 0)``; ``()`` is the whole world."""
@@ -69,7 +73,7 @@ class Position:
 
 
 class WorldError(PhysimError):
-    """A world that cannot be run, with every fault found.
+    """A world that cannot be run, with every fault found; the message has a line for each cause.
 
     ``positions`` holds the place in the file of each fault, where the world came from a file;
     otherwise it is empty.
@@ -78,10 +82,13 @@ class WorldError(PhysimError):
     def __init__(self, faults: list[Fault], positions: list[Position] | None = None) -> None:
         self.faults = tuple(faults)
         self.positions = tuple(positions or ())
-        lines = [str(fault) for fault in faults]
-        if self.positions:
-            lines = [_placed(p, fault) for p, fault in zip(self.positions, faults, strict=True)]
-        super().__init__(*lines)
+        places = [str(one) for one in self.positions] or [""] * len(faults)
+        super().__init__(
+            *fault_lines(
+                (place, dotted(fault.location), fault.message)
+                for place, fault in zip(places, faults, strict=True)
+            )
+        )
 
 
 class RecordError(PhysimError):
@@ -92,11 +99,36 @@ class ControllerError(PhysimError):
     """A controller that is unknown, cannot be loaded, or gave a command that cannot be applied."""
 
 
-def _placed(position: Position, fault: Fault) -> str:
-    """Fault after its position; what stood on the command line is not named twice."""
-    place = str(position)
-    named = names_key(place, dotted(fault.location))
-    return f"{place}: {fault.message if named else fault}"
+def fault_lines(faults: Iterable[tuple[str, str, str]]) -> list[str]:
+    """A line for each cause among faults: place, key and message of the first, how many more.
+
+    Of one cause are those with the same message, whatever value was given, at keys that differ in
+    the numbers of entries alone.
+    """
+    causes: dict[tuple[str, str], list[tuple[str, str, str]]] = {}
+    for place, key, message in faults:
+        cause = (re.sub(r"\[\d+\]", "[]", key), re.sub(r"; given [^;]*", "", message))
+        causes.setdefault(cause, []).append((place, key, message))
+    lines = []
+    for (place, key, message), *others in causes.values():
+        parts = (place, "" if names_key(place, key) else key, message)
+        line = ": ".join(part for part in parts if part)
+        if others:
+            line += f" (and {len(others)} more like it, {_span(key, [one[1] for one in others])})"
+        lines.append(line)
+    if len(lines) > MOST_FAULTS:
+        more = len(lines) - MOST_FAULTS + 1
+        lines[MOST_FAULTS - 1 :] = [f"and {more} more; correct these first"]
+    return lines
+
+
+def _span(key: str, others: list[str]) -> str:
+    """``robots[1] to robots[9]``: the first and last of other keys, to the number that differs."""
+    split = [re.split(r"(?<=\])", one) for one in (key, *others)]  # each into as many parts
+    alike = [len(set(parts)) == 1 for parts in zip(*split, strict=True)]
+    differs = max((k for k, same in enumerate(alike) if not same), default=0)
+    first, last = ("".join(parts[: differs + 1]) for parts in (split[1], split[-1]))
+    return first if first == last else f"{first} to {last}"
 
 
 def names_key(place: str, key: str) -> bool:

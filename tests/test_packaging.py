@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
 
@@ -72,7 +74,8 @@ def test_wheel_holds_the_sources_and_nothing_beside_physim(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     inside = {name for name in names if ".dist-info/" not in name}
     assert inside == expected() | {"physim/_kernels.abi3.so"}
-    assert wheel.name.startswith("physim-0.1.0-cp311-abi3-")
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    assert wheel.name.startswith(f"physim-{version}-cp311-abi3-")
     assert {"physim/py.typed", "physim/worlds/world.schema.json"} <= inside
     assert {f"physim/drawing/page/assets/{name}" for name in ("page.html", "main.js")} <= inside
     assert any(name.startswith("physim/worlds/") and name.endswith(".yaml") for name in inside)
@@ -115,7 +118,8 @@ def test_wheel_works_in_another_place(wheel: Path, tmp_path: Path) -> None:
         "import json, physim, physim.controllers, physim.worlds\n"
         "from physim.parts.registry import CONTROLLER, find_part\n"
         "from physim.world.file.files import shipped_worlds, find_world\n"
-        "import sys\n"
+        "from physim.cli import main\n"
+        "main(['--version'])\n"
         "world = physim.load_world(find_world('straight'))\n"
         "print(json.dumps([[m.__file__ for m in (physim, physim.controllers, physim.worlds)],\n"
         "    sorted(shipped_worlds()), find_part(CONTROLLER, 'mode_switching').__module__,\n"
@@ -126,7 +130,9 @@ def test_wheel_works_in_another_place(wheel: Path, tmp_path: Path) -> None:
         env={**os.environ, "PYTHONPATH": str(tmp_path / "site")},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    files, worlds, module, name = json.loads(done.stdout)
+    version, told = done.stdout.splitlines()
+    assert re.fullmatch(r"physim \d+\.\d+\.\d+", version)  # and no commit: this is no checkout
+    files, worlds, module, name = json.loads(told)
     assert all(Path(file).is_relative_to(tmp_path / "site") for file in files)
     assert worlds == sorted(file.stem for file in (ROOT / "worlds").glob("*.yaml"))
     assert module == "physim.controllers.mode_switching"

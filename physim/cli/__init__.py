@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import os
 import sys
 from collections.abc import Sequence
@@ -50,6 +51,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             else:
                 code, told = _ended_by(error)
             print(told, file=sys.stderr, flush=True)
+    if arguments is None:
+        gc.freeze()  # the process ends: to collect its garbage would hold the prompt
     return code
 
 

@@ -104,10 +104,12 @@ def looked_at(
 
 def text_of(findings: Findings, trial: str | None = None) -> str:
     """What was found in one world: errors, warnings, room, and a last line that sums up."""
+    from physim.world.checks.findings import finding_lines
+
     lines: list[str] = []
     for title, group in (("errors", findings.errors), ("warnings", findings.warnings)):
         if group:
-            lines += [f"{title}:", *(f"  {one}" for one in map(str, group)), ""]
+            lines += [f"{title}:", *(f"  {line}" for line in finding_lines(group)), ""]
     lines += [*_room(findings.clearance), *findings.notes, *filter(None, [trial])]
     lines.append(f"{findings.file}: {findings.count}")
     return "\n".join(lines) + "\n"

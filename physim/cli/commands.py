@@ -80,9 +80,9 @@ def run_command(arguments: Sequence[str]) -> int:
         print(overview(), end="")
         return 0
     if name == VERSION:
-        from physim._version import __version__
+        from physim._version import version_told
 
-        print(f"physim {__version__}")
+        print(f"physim {version_told()}")
         return 0
     if name not in COMMANDS:
         raise PhysimError(f"{_unknown(name)} (see physim --help)")

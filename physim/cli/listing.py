@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from physim.analysis.metrics import Definition
 
 
+HOW = """python -c "help('physim.parts')\""""
+
+
 def listing(
     *,
     json: JsonFlag = False,
@@ -57,7 +60,7 @@ def listing(
         for name, line in entries.items():
             print(f"  {name:<{width}}  {line}")
     if none := [title for title, entries in found.items() if not entries]:
-        print(f"none of your own: {', '.join(none)} (docs/how-to/extend.md)")
+        print(f"none of your own: {', '.join(none)} (how to add one: {HOW})")
     return 0
 
 

@@ -58,7 +58,7 @@ def plot(
       --snapshots S  simulated seconds between the robots in trajectories (default: about ten in the
           run, fewer of long clusters)
 
-    figures (docs/FIGURES.md says what each shows and how it is computed):
+    figures (physim summary --definitions says how their quantities are computed):
       trajectories     paths, trajectories and snapshots on the map (Figs. 1a, 2a, 3a, 6a, 6b)
       deviation        deviation of each robot from its path (Figs. 1b, 2c, 7d)
       speeds           rotational and forward speeds averaged over 10 s (Figs. 1c, 7b, 7c)

@@ -36,6 +36,7 @@ class Bar:
                 TextColumn(f"{{task.completed:.0f}}/{{task.total:.0f}} {unit}"),
                 TextColumn("{task.fields[note]}", markup=False),
                 TimeRemainingColumn(),
+                TextColumn("left"),
                 console=Console(file=getattr(sys.stderr, "stream", sys.stderr)),  # behind its gate
                 transient=True,
             )

@@ -98,7 +98,7 @@ def run(
     late = None
     with run_folder(folder, force, *inputs(world)), interrupts() as interrupt:
         try:
-            with Bar(scene.world.name, scene.steps * scene.dt, "s", quiet) as bar:
+            with Bar(scene.world.name, scene.steps * scene.dt, "s at most", quiet) as bar:
                 record = record_run(
                     simulation, observers=observers, save=SaveAt(states=keep_states),
                     path=folder / "record.h5",

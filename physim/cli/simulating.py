@@ -65,7 +65,7 @@ def to_the_end(run: Callable[..., Found], title: str, seconds: float, quiet: boo
     Ctrl-C raises KeyboardInterrupt, after the step that is under way: in the middle of it the
     engine would swallow it.
     """
-    with interrupts() as interrupt, Bar(title, seconds, "s", quiet) as bar:
+    with interrupts() as interrupt, Bar(title, seconds, "s at most", quiet) as bar:
         how: dict[str, Any] = {"progress": bar.simulated} if bar.visible else {}
         found = run(stop=interrupt, **how)
     if interrupt():

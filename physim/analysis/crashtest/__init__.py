@@ -2,7 +2,7 @@
 
 Random shapes are driven into each other at constant (v, omega) by the physics that runs every
 world; the first physical contact of each case must lie in the sample that the collision time
-predicts, or the analytic contact holds no sample. See docs/explanation/crash-test.md.
+predicts, or the analytic contact holds no sample. See "The crash test" in the documentation.
 """
 
 from __future__ import annotations

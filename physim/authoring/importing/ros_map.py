@@ -32,6 +32,8 @@ from physim.world.kinds import Flag, Number, Sequence, Text
 
 SPECK = 2.0
 """[cells] Occupied patches up to this many are left out unless the user says otherwise."""
+DOT, MANY = 10.0, 100
+"""[cells] of a patch that may be noise, and how many of them make that likely"""
 MOST_LOST = 0.1
 """[-] share of its area that a hole may lose or gain when outlines are simplified"""
 MOST_EDGES = 1_000_000
@@ -200,11 +202,20 @@ def _outlined(
     if options.origin is not None:
         at = np.floor(turn @ (np.array(options.origin) - (x, y)) / cell).astype(int)
     cells = _polygon(drawing, _region(drawing, free, cell, placed, at))
-    if len(cells.interiors) > MOST_OBSTACLES:
+    sizes = np.sort([shapely.Polygon(hole).area for hole in cells.interiors])  # [cells]
+    if (excess := len(sizes) - MOST_OBSTACLES) > 0:
         raise drawing.refusal(
-            f"{len(cells.interiors)} occupied patches within the free region would be obstacles; "
-            f"at most {MOST_OBSTACLES} are read: is it noise? Larger --specks or a smoother map"
+            f"{len(sizes)} occupied patches within the free region would be obstacles; at most "
+            f"{MOST_OBSTACLES} are read: is it noise? --specks {_area(sizes[excess - 1], cell)} "
+            "leaves out the smallest"
         )
+    if (dots := int(np.searchsorted(sizes, DOT, "right"))) >= MANY:
+        told = (
+            f"{dots} obstacles of at most {DOT:g} cells: if they are noise, "
+            f"--specks {_area(sizes[dots - 1], cell)} leaves them out"
+        )
+        drawing.changes.append(f"WARNING: {told}")
+        drawing.doubt = "; ".join(filter(None, (drawing.doubt, told)))
     exact = shapely.transform(cells, placed)
     if max(exact.bounds[2] - exact.bounds[0], exact.bounds[3] - exact.bounds[1]) < SMALLEST:
         raise drawing.refusal(
@@ -218,6 +229,11 @@ def _outlined(
         f"{moved:.4f} m, area {exact.area:.2f} to {simple.area:.2f} m²"
     )
     return simple
+
+
+def _area(cells: float, cell: float) -> str:
+    """Area of so many cells [m²], as --specks takes it."""
+    return f"{cells * cell * cell:.10g}"
 
 
 def _patches(cells: Any, connectivity: Literal[4, 8], cell: float) -> tuple[Any, Any]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from physim.errors import Fault, Position, dotted, names_key, plural
+from physim.errors import Fault, Position, dotted, fault_lines, plural
 from physim.escaping import escaped
 from physim.world.faults import describe
 
@@ -46,13 +47,24 @@ class Finding:
 
     def __str__(self) -> str:
         """``file:line:column: key: message``."""
-        place = self.file if self.line is None else f"{self.file}:{self.line}:{self.column}"
-        key = "" if names_key(place, self.key) else self.key
-        return ": ".join(part for part in (place, key, self.message) if part)
+        (line,) = finding_lines([self])
+        return line
 
     def as_json(self) -> dict[str, Any]:
         """Return the finding as JSON holds it."""
         return asdict(self)
+
+
+def finding_lines(findings: Iterable[Finding]) -> list[str]:
+    """A line for each cause among findings, as `physim.errors.fault_lines` puts it."""
+    return fault_lines(
+        (
+            one.file if one.line is None else f"{one.file}:{one.line}:{one.column}",
+            one.key,
+            one.message,
+        )
+        for one in findings
+    )
 
 
 @dataclass(frozen=True)
@@ -96,9 +108,9 @@ class Findings:
         return f"<Findings of {describe(self.file)}: {self.count}>"
 
     def __str__(self) -> str:
-        """Every finding on a line, as the command line has them, without the room on the paths."""
+        """A line for each cause, as the command line has them, without the room on the paths."""
         kinds = (("error", self.errors), ("warning", self.warnings))
-        said = [f"{kind}: {one}" for kind, some in kinds for one in some]
+        said = [f"{kind}: {line}" for kind, some in kinds for line in finding_lines(some)]
         return "\n".join([*said, *self.notes, f"{self.file}: {self.count}"])
 
     def as_json(self) -> dict[str, Any]:

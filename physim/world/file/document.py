@@ -27,8 +27,8 @@ MOST_KEYS = 1_000
 """Keys of one mapping"""
 MOST_KEY = 100
 """Characters of a key"""
-MOST_FAULTS = 100
-"""Faults of one world that are reported one by one"""
+MOST_FAULTS = 500
+"""Faults of keys and single values, after which no more are looked for"""
 
 _CONTROL = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _TAB = re.compile(r"^ *(\t)[ \t]*(?=[^ \t\r\n#])", re.MULTILINE)
@@ -88,9 +88,6 @@ class Document:
 
 def _placed(pairs: Iterable[tuple[Fault, Position]]) -> WorldError:
     found = sorted(dict.fromkeys(pairs), key=lambda pair: (pair[1].line, pair[1].column))
-    if len(found) > MOST_FAULTS:
-        more = Fault((), f"and {len(found) - MOST_FAULTS + 1} more; correct these first")
-        found = [*found[: MOST_FAULTS - 1], (more, found[MOST_FAULTS - 1][1])]
     return WorldError([fault for fault, _ in found], [position for _, position in found])
 
 

@@ -44,6 +44,20 @@ def test_specks_regions_and_doors_of_a_map(tmp_path: Path) -> None:
     assert len(there.world.obstacles) == 0
 
 
+def test_hundreds_of_small_patches_are_doubted_with_the_value_that_leaves_them_out(
+    tmp_path: Path,
+) -> None:
+    free = np.pad(np.ones((200, 300), dtype=bool), 3)
+    for row in range(10, 200, 20):
+        for column in range(10, 300, 20):
+            free[row, column : column + 3] = False
+    path = write_map(tmp_path, free, (0.0, 0.0))
+    said = only(import_world(path, Options(robot="fit")), "noise")
+    check_says(said, "150 obstacles … 10 cells … --specks 0.03")
+    check_says(refusal(path, Options(robots=3, lanes=3)), "no route … --specks 0.03")
+    assert import_world(path, Options(specks=0.03)).world.obstacles == ()
+
+
 def test_cells_that_meet_at_a_corner_are_no_passage(tmp_path: Path) -> None:
     free = np.zeros((80, 120), dtype=bool)
     free[5:40, 5:60] = True

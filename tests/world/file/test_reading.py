@@ -174,4 +174,23 @@ def test_floods_of_keys_and_faults_end_early():
     check_error(f"{refusal(flood)}\n", "w.yaml:1001:1:", "1000 keys")
     with pytest.raises(WorldError) as caught:
         parse_world("seed: [" + "yes, " * 5000 + "]")
-    assert len(caught.value.faults) == MOST_FAULTS
+    assert len(caught.value.faults) == MOST_FAULTS + 1
+
+
+def test_faults_of_one_cause_are_one_line():
+    """Each of a hundred robots that a script writes has the same two faults; some have a third."""
+    robots = "".join(
+        f'- {{name: r{k}, footprint: {{length: "1.{k}", width: 1.0}}, pose: [0, 0, 0], headng: 1, '
+        f"mass: {-1 if k % 10 == 3 else 1}, path: [[0, 0], [9, 0]]}}\n"
+        for k in range(100)
+    )
+    with pytest.raises(WorldError) as caught:
+        parse_world(f"name: w\ntime: {{step: 0.01, duration: 1}}\nrobots:\n{robots}", "w.yaml")
+    first, second, third = str(caught.value).splitlines()
+    for line, row, *parts in (
+        (first, 4, "robots[0].footprint.length", '"1.0"', "99 more", "robots[1] to robots[99]"),
+        (second, 4, "robots[0].headng", "99 more", "robots[1] to robots[99]"),
+        (third, 7, "robots[3].mass", "9 more", "robots[13] to robots[93]"),
+    ):
+        check_error(f"{line}\n", f"w.yaml:{row}:", *parts)
+    assert len(caught.value.faults) == len(caught.value.positions) == 210

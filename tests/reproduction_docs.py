@@ -22,7 +22,7 @@ DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "explanation/reproduction.md"
 PICTURES = PAGE.parent / "reproduction"
 REPORT = PICTURES / JSON
-README = DOCS.parent / "README.md"
+INDEX = DOCS / "index.md"
 BEGIN, END = "<!-- claims -->\n", "<!-- end of claims -->"
 
 
@@ -52,13 +52,13 @@ def write(folder: Path) -> None:
             (PICTURES / Path(file).name).write_bytes((folder / file).read_bytes())
     REPORT.write_text(report.to_json(), encoding="utf-8")
     PAGE.write_text(text_of(report), encoding="utf-8")
-    text = README.read_text(encoding="utf-8")
+    text = INDEX.read_text(encoding="utf-8")
     before, after = text.split(BEGIN)[0], text.split(END)[1]
-    README.write_text(before + BEGIN + claims(report) + END + after, encoding="utf-8")
+    INDEX.write_text(before + BEGIN + claims(report) + END + after, encoding="utf-8")
 
 
 def claims(report: Report) -> str:
-    """How many claims of a report are met, partly met, not met: what the README says of it."""
+    """How many claims of a report are met, partly met, not met: what the front page says of it."""
     count = Counter(row.outcome for row in report.rows)
     counts = ", ".join(f"{count[one]} {one}" for one in Outcome)
     return f"Of {len(report.rows)} claims: {counts}.\n"

@@ -61,7 +61,7 @@ def test_page_is_written_from_its_report(report: Report) -> None:
 
 
 def test_the_readme_tells_how_many_claims_are_met(report: Report) -> None:
-    said = docs.README.read_text(encoding="utf-8").split(docs.BEGIN)[1].split(docs.END)[0]
+    said = docs.INDEX.read_text(encoding="utf-8").split(docs.BEGIN)[1].split(docs.END)[0]
     assert said == docs.claims(report)
 
 

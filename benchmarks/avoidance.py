@@ -2,23 +2,25 @@
 
 python -m benchmarks.avoidance [WORLD ...] [--seeds A:B] [--jobs N] [--check | --write]
 
-Prints a table: contact-free and finished with avoidance and without, the share of decisions by (12)
-and (13), distances, and what contacts there are. ``--write`` puts it into docs/reference/worlds.md;
-``--check`` compares it with the one that stands there, and holds the worlds that claim to show
-avoidance to their claim: contacts without it in at least half of their seeds, none with it in at
-least 95 %. Exit codes: 0 fine, 1 a claim or the table does not hold, 2 bad input, 130 interrupted.
+Counts runs without a contact and finished ones, the share of decisions by (12) and (13), distances,
+and what contacts there are. ``--write`` puts them into docs/gallery/rates.json, from which the
+gallery of the site shows them; ``--check`` compares them with those that stand there, and holds the
+worlds that claim to show avoidance to their claim: contacts without it in at least half of their
+seeds, none with it in at least 95 %. Without ``--seeds`` as many as stand there, from 0; 100 of a
+new world. Exit codes: 0 fine, 1 a claim or a figure does not hold, 2 bad input, 130 interrupted.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import os
-import re
 import statistics
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -41,15 +43,14 @@ SHOWS_AVOIDANCE = ("ten_robots", "crowded_start", "three_robots", "nonconvex", "
 WITHOUT = "controller.avoidance=none"
 CONTACTS_WITHOUT, FREE_WITH = 0.5, 0.95
 """[-] What such a world must reach: shares of its seeds"""
-README = Path(__file__).parents[1] / "docs/reference/worlds.md"
-BEGIN, END = "<!-- avoidance -->\n", "<!-- end of avoidance -->"
-HEADER = (
-    "| world | seeds | contact-free, with and without | finished, with and without "
-    "| decisions by (12), (13) | shortest distance with | without avoidance: deepest contact, "
-    "time in contact |\n|---|---|---|---|---|---|---|\n"
-)
+RATES = Path(__file__).parents[1] / "docs/gallery/rates.json"
+SEEDS = 100
 
 Figures = Mapping[str, float]
+Rates = dict[str, Any]
+"""Of one world: ``version``, ``seeds``, and by arm, ``with`` and ``without``, runs that are
+contact-free and finished, and what `with_it` or `without_it` gives. A world that is shipped without
+avoidance has no arm ``with``."""
 
 
 def measure(record: Record) -> Figures:
@@ -66,87 +67,64 @@ def measure(record: Record) -> Figures:
     }
 
 
-def table(names: Sequence[str], seeds: tuple[int, int], jobs: int) -> dict[str, str]:
-    """Rows by world. Raises PhysimError for a world that cannot be run."""
-    work = {}
-    for name in names:
-        world = physim.load_world(name)
-        drawn = range(*seeds) if is_random(world) else [world.seed]
-        for arm in (Arm("with", name), Arm("without", name, (WITHOUT,))):
-            for seed in drawn:
-                given = (arm, seed, (measure,))
-                work[name, arm.label, seed] = Job(f"{name} seed {seed}", run, given)
+def measured(name: str, seeds: Iterable[int], jobs: int) -> Rates:
+    """Run a world over the seeds. Raises PhysimError where it cannot be run."""
+    world = physim.load_world(name)
+    drawn = list(seeds) if is_random(world) else [world.seed]
+    arms = [Arm("with", name), Arm("without", name, (WITHOUT,))]
+    if world.controller.settings.get("avoidance") == "none":
+        arms = [Arm("without", name)]
+    work = {
+        (arm.label, seed): Job(f"{name} seed {seed}", run, (arm, seed, (measure,)))
+        for arm in arms
+        for seed in drawn
+    }
     found = do_all(work.items(), jobs, lambda: False, progress)
-    rows = {}
-    for name in names:
-        arms = [
-            [found[key].measures[measure.__name__] for key in work if key[:2] == (name, label)]
-            for label in ("with", "without")
-        ]
-        rows[name] = row(name, *arms)
-        print(rows[name], flush=True)
-    return rows
+    rates: Rates = {"version": physim.__version__, "seeds": len(drawn)}
+    for arm in arms:
+        runs = [found[arm.label, seed].measures[measure.__name__] for seed in drawn]
+        rates[arm.label] = {
+            "contact_free": sum(r["contacts"] == 0.0 for r in runs),
+            "finished": sum(r["finished"] > 0.0 for r in runs),
+            **(with_it(runs) if arm.label == "with" else without_it(runs)),
+        }
+    return rates
 
 
-def row(name: str, shown: Sequence[Figures], bare: Sequence[Figures]) -> str:
-    """One line of the table."""
-    seeds = "nothing random" if len(shown) == 1 else str(len(shown))
+def with_it(runs: Sequence[Figures]) -> dict[str, float | None]:
+    """Shares of decisions [-] by (12) and (13), and distances between two robots [m].
 
-    def count(runs: Sequence[Figures], fine: str) -> int:
-        return sum(r["contacts"] == 0.0 if fine == "free" else r["finished"] > 0.0 for r in runs)
-
-    by = [100.0 * statistics.mean(r[key] for r in shown) for key in ("by_distance", "by_time")]
-    touched = [r for r in bare if r["contacts"]]
-    without = "none"
-    if touched:
-        deepest = max(1e3 * r["depth"] for r in touched)
-        lasts = statistics.median(r["in_contact"] for r in touched)
-        without = f"{deepest:.1f} mm, {lasts:.1f} s"
-    cells = (
-        f"`{name}`",
-        seeds,
-        f"{count(shown, 'free')}, {count(bare, 'free')}",
-        f"{count(shown, 'finished')}, {count(bare, 'finished')}",
-        f"{by[0]:.2f} %, {by[1]:.1f} %",
-        spread([r["shortest_distance"] for r in shown]),
-        without,
-    )
-    return "| " + " | ".join(cells) + " |"
+    Of the runs' shortest distances the median and the minimum, null for one robot.
+    """
+    near = [r["shortest_distance"] for r in runs if math.isfinite(r["shortest_distance"])]
+    return {
+        "by_distance": round(statistics.mean(r["by_distance"] for r in runs), 4),
+        "by_time": round(statistics.mean(r["by_time"] for r in runs), 3),
+        "shortest_distance": round(statistics.median(near), 2) if near else None,
+        "least_distance": round(min(near), 2) if near else None,
+    }
 
 
-def spread(values: Sequence[float]) -> str:
-    """Median and least of the runs' shortest distances."""
-    known = [value for value in values if math.isfinite(value)]
-    if not known:
-        return "none"
-    return f"{statistics.median(known):.2f} m ({min(known):.2f} m)"
+def without_it(runs: Sequence[Figures]) -> dict[str, float | None]:
+    """Greatest depth [m], and median time in contact [s] of the runs that have contacts."""
+    lasts = [r["in_contact"] for r in runs if r["contacts"]]
+    return {
+        "deepest_contact": round(max(r["depth"] for r in runs), 4),
+        "time_in_contact": round(statistics.median(lasts), 1) if lasts else 0.0,
+    }
 
 
-def broken_claims(rows: Mapping[str, str]) -> list[str]:
+def broken_claims(rates: Mapping[str, Rates]) -> list[str]:
     """What worlds claim and do not hold, one line each."""
     lines = []
-    for name in SHOWS_AVOIDANCE:
-        if name not in rows:
-            continue
-        seeds, free, bare = (int(n) for n in _counts(rows[name]))
+    for name in (name for name in SHOWS_AVOIDANCE if name in rates):
+        seeds = rates[name]["seeds"]
+        free, bare = (rates[name][arm]["contact_free"] for arm in ("with", "without"))
         if free < FREE_WITH * seeds:
             lines.append(f"{name}: {free} of {seeds} contact-free; {FREE_WITH:.0%} are claimed")
         if seeds - bare < CONTACTS_WITHOUT * seeds:
             lines.append(f"{name}: without avoidance {bare} of {seeds} are contact-free, too")
     return lines
-
-
-def _counts(line: str) -> tuple[str, str, str]:
-    found = re.match(r"\| `\w+` \| (\d+) \| (\d+), (\d+) \|", line)
-    if found is None:
-        raise PhysimError(f"no seeds and counts in: {line}")
-    return found.group(1), found.group(2), found.group(3)
-
-
-def written(text: str) -> dict[str, str]:
-    """Rows by world of the table in docs/reference/worlds.md."""
-    lines = text.split(BEGIN)[1].split(END)[0].splitlines()
-    return {line.split("`")[1]: line for line in lines if line.startswith("| `")}
 
 
 def progress(done: int, of: int, note: str) -> None:
@@ -161,37 +139,36 @@ def main() -> int:
         prog="python -m benchmarks.avoidance", description=__doc__.splitlines()[0]
     )
     parser.add_argument("worlds", nargs="*", metavar="WORLD", help="shipped worlds (all)")
-    parser.add_argument("--seeds", type=seed_range, default=(0, 100), metavar="A:B")
+    parser.add_argument("--seeds", type=seed_range, metavar="A:B")
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)))
     what = parser.add_mutually_exclusive_group()
-    what.add_argument("--check", action="store_true", help="against docs/reference/worlds.md")
-    what.add_argument("--write", action="store_true", help="into docs/reference/worlds.md")
+    what.add_argument("--check", action="store_true", help="against docs/gallery/rates.json")
+    what.add_argument("--write", action="store_true", help="into docs/gallery/rates.json")
     options = parser.parse_args()
     names = options.worlds or list(shipped_worlds())
-    text = README.read_text(encoding="utf-8")
+    known: dict[str, Rates] = json.loads(RATES.read_text(encoding="utf-8"))
+    rates, wrong = {}, []
     try:
-        rows = table(names, options.seeds, options.jobs)
+        for name in names:
+            seeds = options.seeds or (0, known.get(name, {"seeds": SEEDS})["seeds"])
+            rates[name] = measured(name, range(*seeds), options.jobs)
+            print(json.dumps({name: rates[name]}), flush=True)
+            if options.write:
+                known[name] = rates[name]
+                RATES.write_text(json.dumps(known, indent=1, sort_keys=True) + "\n", "utf-8")
+            elif options.check and {**rates[name], "version": ""} != {
+                **known.get(name, {}),
+                "version": "",
+            }:
+                wrong.append(f"{name}: {RATES.name} has {json.dumps(known.get(name))}")
     except PhysimError as error:
         print(error, file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130
-    wrong = broken_claims(rows)
-    if options.write:
-        rows = {**written(text), **rows}
-        lines = "".join(f"{rows[name]}\n" for name in shipped_worlds() if name in rows)
-        before, after = text.split(BEGIN)[0], text.split(END)[1]
-        README.write_text(f"{before}{BEGIN}{HEADER}{lines}{END}{after}", encoding="utf-8")
-    if options.check:
-        known = written(text)
-        wrong += [
-            f"docs/reference/worlds.md: {known.get(n)}\nmeasured: {r}"
-            for n, r in rows.items()
-            if known.get(n) != r
-        ]
-    for line in wrong:
+    for line in (*broken_claims(rates), *wrong):
         print(line, file=sys.stderr)
-    return 1 if wrong else 0
+    return 1 if wrong or broken_claims(rates) else 0
 
 
 if __name__ == "__main__":

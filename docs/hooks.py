@@ -7,6 +7,7 @@ A line ``<!-- generated: NAME WORD … -->`` of a page becomes what the function
 from __future__ import annotations
 
 import html
+import json
 import re
 from collections.abc import Iterable, Sequence
 from importlib import import_module
@@ -17,17 +18,20 @@ import griffe
 from pydantic import BaseModel
 
 import physim.world
+from physim import campaigns
 from physim.analysis.metrics import DEFINITIONS
 from physim.cli.commands import GROUPS, app_of
 from physim.cli.help import overview, page
 from physim.parts.declarations import STANDARD_COLUMNS
 from physim.parts.registry import CONTROLLER, find_part, settings_model
 from physim.record.layout import TABLE, Attributes, AttributesModel
+from physim.statistics import clopper_pearson
+from physim.world.file.files import shipped_worlds
 
 MARK = re.compile(r"^<!-- generated: (?P<name>\w+)(?P<words>[^>]*) -->$", re.MULTILINE)
 FARTHEST = 1.0e6
 """Bounds of numbers that the page states once, for all lengths and coordinates"""
-JOBS = {"run": "Run", "judge": "Judge", "author": "Author worlds", "study": "Study many runs"}
+JOBS = {"run": "Run worlds", "judge": "Judge runs", "author": "Author worlds", "study": "Many runs"}
 
 
 def on_page_markdown(markdown: str, **_: object) -> str:
@@ -179,6 +183,12 @@ def columns() -> str:
     return table(("column", "meaning", "unit"), rows)
 
 
+def results() -> str:
+    """Columns of the results of a sweep."""
+    rows = [(f"`{name}`", prose(meaning), unit) for name, unit, meaning in campaigns.columns()]
+    return table(("column", "meaning", "unit"), rows)
+
+
 def fields(module: str, name: str) -> str:
     """Table of the attributes of a class, as they are annotated and told where they are defined.
 
@@ -190,7 +200,7 @@ def fields(module: str, name: str) -> str:
         if key.startswith("_"):
             continue
         is_typed = one.annotation is not None
-        written = re.sub(r"^Annotated\[(\w+),.*", r"\1", str(one.annotation)).replace("|", "\\|")
+        written = re.sub(r"^Annotated\[(\w+),.*", r"\1", str(one.annotation)).replace(" | ", " or ")
         written = "str" if written in ("Name", "Words") else written
         called = f"`{key}`" if is_typed else f"`{one.value}`".replace("'", "")
         words = "" if one.docstring is None else prose(one.docstring.value)
@@ -198,4 +208,107 @@ def fields(module: str, name: str) -> str:
     return table(("name", "meaning", "type")[: 2 + is_typed], rows)
 
 
-GENERATED = {one.__name__: one for one in (keys, commands, record, metrics, columns, fields)}
+def notebook(name: str) -> str:
+    """Cells of a notebook in the folder of the pages, with what they printed and drew."""
+    text = ""
+    for cell in json.loads((Path(__file__).parent / name).read_text("utf-8"))["cells"]:
+        source = "".join(cell["source"])
+        text += f"```python\n{source}\n```\n\n" if cell["cell_type"] == "code" else f"{source}\n\n"
+        for output in cell.get("outputs", ()):
+            if "text" in output:
+                text += f"```text\n{''.join(output['text'])}```\n\n"
+            elif "image/png" in output["data"]:
+                picture = "".join(output["data"]["image/png"].split())
+                source = f"data:image/png;base64,{picture}"
+                text += f'<img alt="what the cell above draws" src="{source}">\n\n'
+    return text
+
+
+# Gallery
+
+
+RATES = Path(__file__).parent / "gallery/rates.json"
+"""Of each shipped world, written by ``python -m benchmarks.avoidance --write``"""
+VERDICTS = ("**yes**", "in some runs", "rarely or never", "has none")
+
+
+def gallery(name: str = "") -> str:
+    """Card of a shipped world: film, description, command, rates; without a name, a table of all.
+
+    Every number in it is of `RATES`; descriptions are those of ``physim list``.
+    """
+    rates, shown = json.loads(RATES.read_text("utf-8")), shipped_worlds()
+    if name:
+        return card(name, prose(shown[name]), rates[name])
+    order = sorted(
+        shown,
+        key=lambda one: (
+            VERDICTS.index(verdict(rates[one])),
+            rates[one]["without"]["contact_free"] / rates[one]["seeds"],
+        ),
+    )
+    text = "| world | needs avoidance;<br>contact-free with, without |\n|---|---|\n"
+    for one in order:
+        of = rates[one]
+        counts = [str(of[arm]["contact_free"]) for arm in ("with", "without") if arm in of]
+        text += f"| [`{one}`](#{one})<br>{prose(shown[one])} | {verdict(of)}<br>"
+        text += f"{' and '.join(counts)} of {of['seeds']} |\n"
+    versions = sorted({one["version"] for one in rates.values()})
+    return f"{text}\nMeasured with physim {' and '.join(versions)}.\n"
+
+
+def card(name: str, words: str, of: dict[str, Any]) -> str:
+    """One world of the gallery."""
+    null = verdict(of) == VERDICTS[0]
+    without = f"\nphysim run {name} --set controller.avoidance=none -o without" if null else ""
+    arms = {"with": "with avoidance", "without": "without"}
+    arms = {arm: title for arm, title in arms.items() if arm in of}
+    text = (
+        f"### {name} {{ #{name} }}\n\n"
+        f'<video controls preload="none" poster="{name}.webp" width="960" height="540" '
+        f'aria-label="Film of {name}"><source src="{name}.mp4" type="video/mp4"></video>\n\n'
+        f"{words}\n\n```sh\nphysim run {name}{without}\n```\n\n"
+        f"| | {' | '.join(arms.values())} |\n|---{'|---' * len(arms)}|\n"
+    )
+    for title, figure in (("contact-free", "contact_free"), ("all robots arrive", "finished")):
+        cells = [rate(of[arm][figure], of["seeds"]) for arm in arms]
+        text += f"| {title} | {' | '.join(cells)} |\n"
+    told = []
+    if "with" in of:
+        acts = 100.0 * (of["with"]["by_distance"] + of["with"]["by_time"])
+        told += [
+            f"Avoidance makes {acts:.2g} % of the decisions" if acts else "Avoidance never acts"
+        ]
+        if of["with"]["shortest_distance"] is not None:
+            near, least = of["with"]["shortest_distance"], of["with"]["least_distance"]
+            told += [f"robots come as near as {near:.2f} m (median; least {least:.2f} m)"]
+    if depth := of["without"]["deepest_contact"]:
+        lasts = of["without"]["time_in_contact"]
+        told += [
+            f"without it contacts are up to {1e3 * depth:.1f} mm deep, "
+            f"and runs that have any spend {lasts:.1f} s in contact (median)"
+        ]
+    return f"{text}\n{'; '.join(told).replace('-', '−')}.\n"
+
+
+def verdict(of: dict[str, Any]) -> str:
+    """Whether a world needs avoidance, by its runs without a contact: one of `VERDICTS`."""
+    if "with" not in of:
+        return VERDICTS[3]
+    free, bare = of["with"]["contact_free"], of["without"]["contact_free"]
+    low, high = clopper_pearson([free, bare], of["seeds"])
+    if low[0] <= high[1]:
+        return VERDICTS[2]
+    return VERDICTS[0] if bare < 0.5 * of["seeds"] else VERDICTS[1]
+
+
+def rate(runs: int, seeds: int) -> str:
+    """Runs of which something holds, and below it the exact interval of their rate."""
+    if seeds == 1:
+        return f"{runs} of 1"
+    low, high = (100.0 * float(end) for end in clopper_pearson(runs, seeds))
+    return f"{runs} of {seeds}<br>({low:.1f}–{high:.1f} %)"
+
+
+MADE = (keys, commands, record, metrics, columns, results, fields, notebook, gallery)
+GENERATED = {one.__name__: one for one in MADE}

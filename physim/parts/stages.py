@@ -95,11 +95,11 @@ class Step(NamedTuple):
     pose: FloatArray
     """(N, 3) at the sample after the step, as contacts allow"""
     contacts: NDArray[np.void]
-    """rows of `physim.contacts.CONTACT_ROW` of that sample, and last the grazes of the step"""
+    """rows, as `Record.contacts`, of that sample, and last the grazes of the step"""
     false_contacts: NDArray[np.void]
-    """rows of `physim.contacts.FALSE_CONTACT_ROW` of that sample"""
+    """rows, as `Record.false_contacts`, of that sample"""
     arrived: NDArray[np.bool_]
-    """(N,) who has arrived at that sample, see `physim.simulation.arrival`"""
+    """(N,) which robots have arrived at that sample"""
 
 
 @runtime_checkable
@@ -115,7 +115,7 @@ class Observer(Protocol):
         ...
 
     def close(self, ended: str) -> None:
-        """After the last step; ``ended`` is one of `physim.record.layout.ENDED`."""
+        """After the last step; ``ended`` is finished, duration, interrupted or error."""
         ...
 
 

@@ -93,8 +93,8 @@ class Attributes:
     """
 
     format: Annotated[Format, "what the file is"]
-    version: Annotated[Version, "of the format"]
-    units: Annotated[Units, "of what names no other"]
+    version: Annotated[Version, "version of the format"]
+    units: Annotated[Units, "units of all values that name no other"]
     name: Annotated[Line, "name of the world"]
     world_text: Annotated[str, Field(alias="world"), "YAML text of the effective world"]
     seed: Annotated[Whole, "seed of the run"]
@@ -116,12 +116,14 @@ class Attributes:
         "that the world names",
     ]
     safe_distance: Annotated[
-        float, Field(strict=True, ge=0.0, le=1e6), "[m] from boundaries, at which /areas/safe is"
+        float,
+        Field(strict=True, ge=0.0, le=1e6),
+        "[m] distance from walls beyond which /areas/safe lies",
     ]
     ended: Annotated[Ended, f"{', '.join(ENDED)}; of a run that was killed running"]
-    steps_run: Annotated[Steps, "physics step of the last sample: so many were made since step 0"]
+    steps_run: Annotated[Steps, "physics step of the last sample"]
     rejected_contacts: Annotated[
-        Whole, "contacts that the engine reported and the exact distance refuted"
+        Whole, "number of false contacts: reported by the engine, refuted by the exact distance"
     ]
     bodies: Annotated[
         Json[tuple[Body, ...]],
@@ -134,7 +136,7 @@ class Attributes:
     ]
     given_settings: Annotated[
         Json[tuple[GivenSettings, ...]],
-        "JSON list: of each part in given what differs from its defaults, and what is not known",
+        "JSON list: for each part in given, what differs from its defaults and what is not known",
     ]
     versions: Annotated[
         Json[dict[str, str]], "JSON object: versions of physim and its libraries, and the processor"

@@ -50,8 +50,8 @@ POSE_BLOCK, POSE_BLOCKS = 1 << 14, 32
 class Record(layout.Layout):
     """One run of N robots with K recorded samples: lengths [m], angles [rad], world frame.
 
-    What is in the file are the properties of `physim.record.layout.Layout`. Arrays are read when
-    first asked for and are read-only; close the record, or use it in a ``with`` block, when done.
+    All that is in the file are properties, too. Arrays are read when first asked for and are
+    read-only; close the record, or use it in a ``with`` block, when done.
     In a file whose run was killed (``ended`` is "running") the tables end with the last recorded
     sample.
     """

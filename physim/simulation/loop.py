@@ -166,14 +166,14 @@ class Simulation:
 
     @property
     def arrived(self) -> NDArray[np.bool_]:
-        """(N,) who has arrived, by `physim.simulation.arrival`; read-only."""
+        """(N,) which robots have arrived; read-only."""
         return self._arrivals.arrived
 
     @property
     def contacts(self) -> NDArray[np.void]:
-        """Rows of `physim.contacts.CONTACT_ROW` of the present sample, as a record has them.
+        """Contacts at the present sample, rows as `Record.contacts` has them.
 
-        Grazes of the step that led to it stand last, see `physim.contacts.touching`.
+        Grazes of the step that led to it stand last.
         """
         return np.asarray(locked(self.physics.contacts))
 
@@ -405,7 +405,7 @@ class Simulation:
 
         ``controller`` as for `Simulation`, or settings of the world's: robots whose controller is
         changed begin with its memory, and decide at once. ``changes`` are those of `World.changed`,
-        of keys that move and reshape no body (`physim.simulation.branching.FREE`); stages may be
+        of keys that move and reshape no body, which an error lists for any other; stages may be
         objects, which take the place of those that were given. A stage that is changed, too, begins
         anew; all else is kept, so that without changes what follows is bit for bit what follows
         here. Observers stay behind; `physim.record_run` records the branch. Raises PhysimError for

@@ -147,7 +147,7 @@ class View:
         return Observation.partly(values, self)
 
     def later(self, i: int, field: str) -> Any:
-        """A field of `physim.parts.controller.LATER`, of Robot i."""
+        """A field of the observation of Robot i that is made when it is asked for."""
         if field == "footprint":
             return self._shared.footprint(i)
         if field == "path":

@@ -48,9 +48,10 @@ class SaveAt:
     """What a run records.
 
     ``every`` [steps] from one sample to the next, the world's ``time.record_every`` where it is
-    None; ``tables``, those of `physim.record.layout.OPTIONAL` that are kept. Samples and commands
-    are always there: without them a record could not be held against anything. ``states`` [s]:
-    from one kept state to the next, from which `physim.state_at` lets another run start.
+    None; ``tables``, those of updates, considered, contacts and false_contacts that are kept.
+    Samples and commands are always there: without them a record could not be held against anything.
+    ``states`` [s]: from one kept state to the next, from which `physim.state_at` lets another run
+    start.
     """
 
     every: int | None = None

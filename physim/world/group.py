@@ -48,7 +48,8 @@ class RobotGroup(Model):
         description="[m] list of footprints, of which the seed draws one for each robot",
     )
     start: Start | None = Field(
-        default=None, description="region to be placed in by the seed; without it the world's start"
+        default=None,
+        description="region in which the seed places them; without it the world's start",
     )
     path: RobotPath | None = Field(
         default=None, description="[m] path of all, as of one robot (or give paths)"

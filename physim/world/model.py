@@ -74,7 +74,8 @@ class Corridor(Model):
         either("<list>", "<value>"),
     ] = Field(description="[m] full width: one number, or one per point of the centreline")
     end_margin: Annotated[Number, Field(ge=1.0e-3, le=1.0e6)] = Field(
-        default=3.0, description="[m] from either end of the centreline to the cap that closes it"
+        default=3.0,
+        description="[m] distance from either end of the centreline to the cap that closes it",
     )
 
 
@@ -87,7 +88,7 @@ Road = Annotated[
 class World(Model):
     """Everything that its author says about a run. Lengths [m], times [s], angles [rad].
 
-    Raises `physim.errors.WorldError`, with every fault found, when made with bad values.
+    Raises `physim.WorldError`, with every fault found, when made with bad values.
     """
 
     model_config = ConfigDict(
@@ -100,17 +101,16 @@ class World(Model):
     name: Label = Field(description="label of the world")
     description: Text = Field(default="", description="what the world shows, in a sentence")
     seed: Annotated[Whole, Field(ge=0, le=MOST_SEED)] = Field(
-        default=0, description="start of every random stream"
+        default=0, description="seed of everything random in the run"
     )
-    time: Time = Field(description="step and duration")
+    time: Time = Field(description="physics step, and duration of the run")
     corridor: Road | None = Field(
         default=None,
-        description="a road by centreline and width, or random, drawn by the seed (or give "
-        "boundaries)",
+        description="road with a centreline and a width, or drawn by the seed; or give boundaries",
     )
     boundaries: (
         Annotated[tuple[Polyline, ...], Field(min_length=1, max_length=MOST_WALLS), Lines] | None
-    ) = Field(default=None, description="[m] polylines as drawn (or give a corridor)")
+    ) = Field(default=None, description="[m] walls as polylines; or give a corridor")
     reference_path: Polyline | None = Field(
         default=None, description="[m] path of the formation; the centreline when absent"
     )
@@ -132,25 +132,25 @@ class World(Model):
         description="formation control; without it every robot goes at the controller's speed",
     )
     controller: Annotated[ControllerChoice, BeforeValidator(nested_choice)] = Field(
-        default=ControllerChoice(), description="who decides, and its settings"
+        default=ControllerChoice(), description="controller of the robots, and its settings"
     )
     sensing: Sensing = Field(
-        default=Sensing(), description="what robots perceive of one another and of the walls"
+        default=Sensing(), description="what robots sense of one another and of the walls"
     )
     filters: Choices = Field(
         default=(),
-        description="what changes commands between controllers and robots, by name, in order",
+        description="parts that change the commands of controllers, in order",
     )
     disturbances: Choices = Field(
         default=(),
-        description="what makes robots depart from their commands, by name, in order",
+        description="parts that make robots depart from their commands, in order",
     )
     arrival: Arrival = Field(default=Arrival(), description="when a robot counts as arrived")
     obstacles: Annotated[tuple[Polygon, ...], Field(max_length=MOST_WALLS), Lines] = Field(
         default=(), description="[m] closed, solid polygons"
     )
     expect: Expectation | None = Field(default=None, description="what the run must satisfy")
-    physics: Physics = Field(default=Physics(), description="material in contact")
+    physics: Physics = Field(default=Physics(), description="friction and elasticity of contacts")
 
     def __repr__(self) -> str:
         """Name, seed and size; `to_yaml` gives all of it."""

@@ -32,7 +32,7 @@ class RandomRoad(Model):
     """Road that the seed draws, with obstacles beside a passage that is kept clear."""
 
     length: Annotated[Number, Field(gt=0.0, le=LONGEST_ROAD)] = Field(
-        description="[m] of the centreline, from (0, 0), where it begins along the x axis"
+        description="[m] length of the centreline, which begins at (0, 0) along the x axis"
     )
     bends: Annotated[
         Annotated[tuple[Count, Count], Sequence, Tag("<list>")] | Annotated[Count, Tag("<value>")],
@@ -102,7 +102,8 @@ class RandomCorridor(Model):
 
     random: RandomRoad = Field(description="what the seed draws; instead of centreline and width")
     end_margin: Length = Field(
-        default=3.0, description="[m] from either end of the road to the cap that closes it"
+        default=3.0,
+        description="[m] distance from either end of the road to the cap that closes it",
     )
 
 

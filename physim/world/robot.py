@@ -39,8 +39,8 @@ class Start(Model):
     )
     heading: StartHeading = Field(
         default="random",
-        description="[rad] counter-clockwise from the x axis; or the word random; or along: that "
-        "of the reference path there",
+        description="[rad] heading, counter-clockwise from the x axis; or the word random; or the "
+        "word along: that of the reference path there",
     )
     min_gap: Distance = Field(
         default=0.3,
@@ -48,8 +48,8 @@ class Start(Model):
     )
     abreast: Annotated[Whole, Field(ge=1, le=1000)] | None = Field(
         default=None,
-        description="robots in a row: they stand in rows across the reference path, in their "
-        "order, the first row foremost; anywhere in the region when absent",
+        description="number of robots in a row: robots stand in rows across the reference path, in "
+        "their order, the first row in front; when absent, anywhere in the region",
     )
     spread: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
         default=1.0,
@@ -61,8 +61,12 @@ class Start(Model):
 class Box(Model):
     """Rectangle centred on the reference point, its length along the heading."""
 
-    length: Annotated[Number, Field(gt=0.0, le=1000.0)] = Field(description="[m] along the heading")
-    width: Annotated[Number, Field(gt=0.0, le=1000.0)] = Field(description="[m] across the heading")
+    length: Annotated[Number, Field(gt=0.0, le=1000.0)] = Field(
+        description="[m] size along the heading"
+    )
+    width: Annotated[Number, Field(gt=0.0, le=1000.0)] = Field(
+        description="[m] size across the heading"
+    )
 
     @property
     def corners(self) -> tuple[Point, ...]:
@@ -75,7 +79,7 @@ class Offset(Model):
     """Path that runs beside the reference path."""
 
     offset: Annotated[Number, Field(ge=-1.0e6, le=1.0e6)] = Field(
-        description="[m] from the reference path, left positive"
+        description="[m] distance from the reference path, left positive"
     )
 
 
@@ -100,7 +104,9 @@ RobotPath = Annotated[
 ]
 Mass = Annotated[
     Annotated[Number, Field(gt=0.0, le=1.0e9)] | None,
-    Field(description="[kg] of one robot; 100 kg/m² times the area of its footprint when absent"),
+    Field(
+        description="[kg] mass of one robot; 100 kg/m² times the area of its footprint when absent"
+    ),
 ]
 Multiples = Annotated[
     Annotated[
@@ -140,7 +146,7 @@ class Robot(Model):
     )
     start: Start | None = Field(
         default=None,
-        description="region to be placed in by the seed, instead of a pose; without either, the "
+        description="region in which the seed places it, instead of a pose; without either, the "
         "world's start",
     )
     path: RobotPath = Field(
@@ -167,10 +173,10 @@ class Formation(Model):
     """Speed control that keeps the robots at wanted distances along the reference path, (7)."""
 
     gain: Annotated[Number, Field(ge=0.0, le=1000.0)] = Field(
-        default=0.05, description="[1/s] alpha of equation (7)"
+        default=0.05, description="[1/s] gain of the speed control, alpha of equation (7)"
     )
     speed: Annotated[Number, Field(gt=0.0, le=1000.0)] = Field(
-        default=1.0, description="[m/s] nu_0, steady speed of the cluster"
+        default=1.0, description="[m/s] steady speed of the formation, nu_0"
     )
     limits: Annotated[
         tuple[
@@ -194,7 +200,7 @@ class Formation(Model):
     )
     range: Length = Field(
         default=10.0,
-        description="[m] along the reference path within which robots are formation neighbours; "
+        description="[m] distance along the reference path within which robots are neighbours; "
         "also the sensing range, unless sensing.range is given",
     )
     neighbours: Annotated[
@@ -208,5 +214,6 @@ class Formation(Model):
         either("<word>", "<list>"),
     ] = Field(
         default="range",
-        description="who keeps distance to whom: those within range, all, or pairs of names",
+        description="robots that keep their distance to each other: those within range, all, or "
+        "pairs of names",
     )

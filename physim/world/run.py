@@ -91,9 +91,7 @@ class Sensing(Model):
         description="[m] within which robots see and consider others and walls; "
         f"formation.range when absent, {DEFAULT_RANGE:g} without a formation",
     )
-    stages: Choices = Field(
-        default=(), description="what changes what is sensed, by name, one after the other"
-    )
+    stages: Choices = Field(default=(), description="parts that change what is sensed, in order")
 
 
 class ControllerChoice(Choice):
@@ -115,8 +113,8 @@ class OwnController(Choice):
 OfRobots = Annotated[
     Annotated[OwnController, BeforeValidator(nested_choice)] | None,
     Field(
-        description="who decides here, as {type: NAME, KEY: VALUE}, instead of the world's "
-        "controller; its settings are its own alone"
+        description="controller of this robot or group, as {type: NAME, KEY: VALUE}, instead of "
+        "the world's, of which it takes no settings"
     ),
 ]
 
@@ -124,9 +122,7 @@ OfRobots = Annotated[
 class Time(Model):
     """Grid of physics steps: sample k is at time ``k * step``."""
 
-    step: Annotated[Number, Field(ge=1e-6, le=0.5)] = Field(
-        description="[s] one physics step; at most 0.5 s, for which a robot stands when it arrives"
-    )
+    step: Annotated[Number, Field(ge=1e-6, le=0.5)] = Field(description="[s] one physics step")
     duration: Annotated[Number, Field(gt=0.0, le=1.0e8)] = Field(
         description="[s] length of the run, a whole number of steps"
     )
@@ -149,8 +145,8 @@ class Arrival(Model):
 
     tolerance: Distance = Field(
         default=0.1,
-        description="[m] along its path by which a robot that stands may be short of its stop "
-        "station, or past it",
+        description="[m] a robot that stands has arrived this near its stop station along its "
+        "path, before it or past it",
     )
 
 
@@ -162,9 +158,9 @@ class Physics(Model):
     )
     elasticity: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
         default=0.0,
-        description="[-] share of the closing speed that an impact gives back, 0 to 1: it adds to "
-        "the impulse and leaves more of the energy; robots take up their commands again at once, "
-        "so that none is seen to bounce",
+        description="[-] share of the closing speed that an impact gives back, 0 to 1; it changes "
+        "impulse and energy, but robots follow their commands again at once and are not seen to "
+        "bounce",
     )
 
 
@@ -175,7 +171,7 @@ class Expectation(Model):
     """What a run must satisfy; a run that does not ends with exit code 1."""
 
     contacts: Annotated[Whole, Field(ge=0)] | None = Field(
-        default=None, description="largest number of contacts, touches between two samples included"
+        default=None, description="largest number of contacts, those between two samples included"
     )
     min_distance: Signed | None = Field(
         default=None,

@@ -8,6 +8,7 @@ below a line ``<!-- not run: why -->`` is not run.
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
@@ -25,8 +26,8 @@ COMMANDS, app_of = inside("physim.cli", "COMMANDS", "app_of")
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
-RUN_HERE = [page for page in PAGES if page != DOCS / "how-to/extend.md"]
-"""All but the page whose blocks another test runs, as an installed distribution"""
+RUN_HERE = [page for page in PAGES if page not in extending.INSTALLED]
+"""All but the pages whose blocks another test runs, as an installed distribution"""
 FENCE = re.compile(
     r"^(?P<indent> *)```(?P<language>\w+)(?: title=\"(?P<title>[^\"]+)\")?\n"
     r"(?P<text>.*?)^(?P=indent)```$",
@@ -86,7 +87,7 @@ def test_every_command_and_option_of_a_page_exists(page: Path) -> None:
 
 
 def test_every_kind_of_part_has_an_example() -> None:
-    """docs/how-to/extend.md; the examples themselves run in the deep tier."""
+    """In the how-to pages; the examples themselves run in the deep tier."""
     kinds = inside("physim.parts", "KINDS", "METRIC", "PLOT")
     given = extending.entry_points()
     assert {kind.group for kind in (*kinds[0], *kinds[1:])} == set(given)
@@ -111,7 +112,7 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
         assert loaded == [], page  # nothing is loaded from elsewhere
 
 
-@pytest.mark.deep
+@pytest.mark.deep(each=True)
 @pytest.mark.parametrize(
     "page",
     RUN_HERE,
@@ -125,7 +126,7 @@ def test_every_block_of_a_page_does_what_it_says(page: Path, tmp_path: Path) -> 
         if block.title is not None:
             (tmp_path / block.title).parent.mkdir(parents=True, exist_ok=True)
             (tmp_path / block.title).write_text(block.text, encoding="utf-8")
-        elif block.language == "text":
+        elif block.language == "text" and not block.skipped:
             lines = [line.rstrip() for line in block.text.splitlines() if "…" not in line]
             missing = [line for line in lines if line not in map(str.rstrip, printed.splitlines())]
             assert missing == [], printed
@@ -136,6 +137,18 @@ def test_every_block_of_a_page_does_what_it_says(page: Path, tmp_path: Path) -> 
             printed = done.stdout + done.stderr
             assert done.returncode == 0, f"{block.text}\n{printed}"
             assert "Traceback" not in printed
+
+
+@pytest.mark.deep
+def test_every_notebook_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    for book in DOCS.rglob("*.ipynb"):
+        cells = json.loads(book.read_text("utf-8"))["cells"]
+        code = "\n".join("".join(one["source"]) for one in cells if one["cell_type"] == "code")
+        done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True)
+        assert done.returncode == 0, done.stderr
+        shown = [t for one in cells for o in one.get("outputs", ()) for t in o.get("text", ())]
+        assert "".join(shown) == done.stdout.decode()  # what the page shows is what it prints
 
 
 def checked(text: str) -> str:

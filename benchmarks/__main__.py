@@ -1,4 +1,4 @@
-"""physim and its peers, measured in turn: ``python -m benchmarks [--quick]`` writes RESULTS.md.
+"""physim and its peers, measured in turn: ``python -m benchmarks [SUBJECT …]`` writes RESULTS.md.
 
 Exit codes: 0 measured and written, 1 something could not be measured (RESULTS.md says what and
 why), 2 bad input, 130 interrupted (``--resume`` goes on).
@@ -28,8 +28,8 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="few sizes, one round: 4 minutes")
     parser.add_argument("--resume", action="store_true", help="keep what is measured already")
     parser.add_argument("--tables", action="store_true", help="measure nothing, write the tables")
-    parser.add_argument("--only", nargs="+", choices=SUBJECTS, metavar="SUBJECT",
-                        help=f"some of: {', '.join(SUBJECTS)}")  # fmt: skip
+    parser.add_argument("subjects", nargs="*", metavar="SUBJECT",
+                        help=f"some of: {', '.join(SUBJECTS)} (all)")  # fmt: skip
     parser.add_argument("--rounds", type=int, help="fresh processes of each (3; quick: 1)")
     parser.add_argument("--trial", type=Path, metavar="FOLDER", help="a folder with measure.py")
     parser.add_argument("--vmas", action="store_true", help="install VMAS too (about 3 GB)")
@@ -37,6 +37,9 @@ def main() -> int:
                         help="environments and measurements (benchmarks/.work)")  # fmt: skip
     parser.add_argument("-o", "--output", type=Path, default=HERE / "RESULTS.md", metavar="FILE")
     options = parser.parse_args()
+    for unknown in set(options.subjects) - set(SUBJECTS):
+        print(f"{unknown}: no subject; allowed: {', '.join(SUBJECTS)}", file=sys.stderr)
+        return 2
     if options.trial is not None and not (options.trial / "measure.py").is_file():
         print(f"--trial {options.trial}: no measure.py there", file=sys.stderr)
         return 2
@@ -52,7 +55,7 @@ def measure(options: argparse.Namespace) -> int:
     os.chdir(ROOT)
     measured = work / ("measured-quick" if options.quick else "measured")
     store = Store(measured)
-    wanted = set(options.only or SUBJECTS)
+    wanted = set(options.subjects or SUBJECTS)
     if not (options.resume or options.tables):
         for subject in wanted:
             shutil.rmtree(measured / subject, ignore_errors=True)
@@ -112,9 +115,10 @@ def _measure(
     progress = Progress(sum(len(group) * times for group, times in groups))
     try:
         if "first" in wanted and not quick:
-            progress.tell("first: installation of physim")
-            if not (options.resume and store.results("first", "physim", "install")):
-                first.install(work, store)
+            for who in first.FROM_NOTHING:
+                progress.tell(f"first: installation of {who}")
+                if not (options.resume and store.results("first", who, "install")):
+                    first.from_nothing(who, work, store)
         for group, times in groups:
             in_turn([group], times, store, options.resume, progress)
     finally:

@@ -14,7 +14,7 @@ from benchmarks import first, headon, scaling, speed, targets, trial
 from benchmarks.environments import PEERS, Environment
 from benchmarks.measuring import FAILED, ROOT, Store, table
 
-OWN = ("numpy", "pymunk", "h5py", "shapely", "av")
+OWN = ("numpy", "pymunk", "h5py", "shapely", "imageio_ffmpeg")
 """Packages that physim's speed depends on."""
 
 

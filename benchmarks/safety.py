@@ -37,23 +37,30 @@ TEXT = """\
 
 Rates of {runs:,} runs: every shipped world with every shipped controller, its own settings
 otherwise, the starts drawn by the seed. A run is contact-free when no robot touched another or a
-wall, neither at a sample nor between two; intervals are exact (Clopper-Pearson, 95 %, for the
-number of runs fixed beforehand). In worlds without anything random there is one run, and no rate.
+wall, neither at a sample nor [between two](contacts.md#contacts-between-samples);
+[intervals](intervals.md) are exact, for the number of runs fixed beforehand. In worlds without
+anything random there is one run, and no rate.
 
-```
-{commands}
-physim report safety            # the same rates as a page, with pictures of the worst
-python -m benchmarks.safety safety safety-many --write      # this page
-```
+- `mode_switching` is the controller of [the paper](paper.md).
+- `path_following` is its first part alone, without formation control and avoidance.
+- `constant` gives one command for ever, here none: the robots stand, so nothing touches, and
+  nothing finishes.
 
-`mode_switching` is the paper's controller; `path_following` is its first part alone, without
-avoidance: the null arm; `constant` gives one command for ever, here none: the robots stand,
-so nothing touches, and nothing finishes.
-What the rates do not say: starts are drawn as each world says, and a worse start can be looked for
-([FALSIFY.md](FALSIFY.md)). {most} runs without a contact show a rate within {bound}, no more.
+Starts are drawn as each world says; [look for worse ones](../how-to/worst-case.md). {most} runs
+without a contact show a rate within {bound}, no more. `jam` is in contact on purpose.
 
 {table}
-Made with {versions}.
+`least` is the least distance of two robots, or of a robot and a wall, in any run [m], below 0 in a
+contact. `in contact` counts runs in which robots touched each other, and walls, and in which bodies
+touched between two samples.
+
+Made with {versions}, from these campaigns:
+
+<!-- not run: takes hours -->
+```sh
+{commands}
+physim report safety --no-pictures
+```
 """
 HEADER = """\
 | world | controller | runs | contact-free | 95 % interval | finished | least | in contact |
@@ -66,8 +73,8 @@ def commands(worlds: Sequence[str]) -> str:
     some = " ".join(world for world in worlds if world not in MANY)
     few = " ".join(world for world in worlds if world in MANY)
     return (
-        f"physim sweep {some} \\\n    --seeds {SEEDS} --controller {CONTROLLERS} -o safety\n"
-        f"physim sweep {few} \\\n    --seeds {FEW} --controller {CONTROLLERS} -o safety-many"
+        f"physim sweep {some} \\\n  --seeds {SEEDS} --controller {CONTROLLERS} -o safety\n"
+        f"physim sweep {few} \\\n  --seeds {FEW} --controller {CONTROLLERS} -o safety-many"
     )
 
 
@@ -76,17 +83,17 @@ def page(folders: Sequence[Path]) -> str:
     lines, versions, runs, most = {}, {}, 0, 0
     for folder in folders:
         report = report_of(Outcomes(read(folder)), str(folder))
-        runs += report.runs
+        runs += len(report.outcomes)
         versions |= dict.fromkeys(report.versions())
         for cell in report.cells:
             free, finished = cell.rates[1:]
-            at = cell.cell
+            at, least = cell.cell, cell.spreads["least_distance"].least
             most = max(most, at.count)
             drawn = is_random(physim.load_world(find_world(at.world)))
             sure = interval(free.low, free.high) if drawn else "nothing is random"
             lines[at.world, at.controller] = (
                 f"| `{at.world}` | {at.controller} | {at.count} | {free.good} | {sure} "
-                f"| {finished.good} | {cell.spreads[0].least:.3f} m "
+                f"| {finished.good} | {least:.3f} m "
                 f"| {touching(report.outcomes, at)} |\n"
             )
     worlds = sorted({world for world, _ in lines})

@@ -73,7 +73,7 @@ def text(store: Store) -> str:
 
 INTRODUCTION = """\
 Ratios hold on any machine; the other targets are of another day and machine. Seconds and frames are
-of processor time but for those from installation to first MP4.
+of processor time.
 
 """
 Row = list[str]
@@ -153,8 +153,6 @@ def _seconds(store: Store) -> Iterator[Row]:
         (SUBJECT, "run", "cpu", "`ten_robots` simulated, with record", 10, 0.7),
         (FIRST, "command-1", "cpu", "the same, whole command", 10, 2.0),
         (FIRST, "validate", "cpu", "`validate` of it, whole command", 10, 1.55),
-        (FIRST, "install", "first", "first run after an installation, to its MP4", 3, 25.0),
-        (FIRST, "install", "wait", "the same, longer than the second run", 3, 1.0),
     )
     for subject, what, key, words, robots, limit in limits:
         if store.results(subject, "physim", what):

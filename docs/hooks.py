@@ -208,6 +208,22 @@ def fields(module: str, name: str) -> str:
     return table(("name", "meaning", "type")[: 2 + is_typed], rows)
 
 
+def notebook(name: str) -> str:
+    """Cells of a notebook in the folder of the pages, with what they printed and drew."""
+    text = ""
+    for cell in json.loads((Path(__file__).parent / name).read_text("utf-8"))["cells"]:
+        source = "".join(cell["source"])
+        text += f"```python\n{source}\n```\n\n" if cell["cell_type"] == "code" else f"{source}\n\n"
+        for output in cell.get("outputs", ()):
+            if "text" in output:
+                text += f"```text\n{''.join(output['text'])}```\n\n"
+            elif "image/png" in output["data"]:
+                picture = "".join(output["data"]["image/png"].split())
+                source = f"data:image/png;base64,{picture}"
+                text += f'<img alt="what the cell above draws" src="{source}">\n\n'
+    return text
+
+
 # Gallery
 
 
@@ -294,5 +310,5 @@ def rate(runs: int, seeds: int) -> str:
     return f"{runs} of {seeds}<br>({low:.1f}–{high:.1f} %)"
 
 
-MADE = (keys, commands, record, metrics, columns, results, fields, gallery)
+MADE = (keys, commands, record, metrics, columns, results, fields, notebook, gallery)
 GENERATED = {one.__name__: one for one in MADE}

@@ -24,7 +24,7 @@ from physim.errors import Notice
 from physim.escaping import escaped_lines
 
 OWN = (
-    "physim|numpy|scipy|shapely|pymunk|h5py|cv2|matplotlib|PIL|av|yaml|pydantic|svgelements|"
+    "physim|numpy|scipy|shapely|pymunk|h5py|matplotlib|PIL|imageio_ffmpeg|yaml|pydantic|svgelements|"
     "cyclopts"
 )
 """Modules whose warnings are for those who work on physim."""

@@ -48,8 +48,9 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def tenth_of(item: pytest.Item) -> int:
-    """Which tenth of the deep tier a test belongs to, with all its cases."""
-    name = item.nodeid.partition("[")[0]
+    """Which tenth of the deep tier a test belongs to, with all its cases if not ``each=True``."""
+    each = any(mark.kwargs.get("each") for mark in item.iter_markers("deep"))
+    name = item.nodeid if each else item.nodeid.partition("[")[0]
     return hashlib.sha256(name.encode()).digest()[0] % 10
 
 

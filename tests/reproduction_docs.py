@@ -22,17 +22,21 @@ DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "explanation/reproduction.md"
 PICTURES = PAGE.parent / "reproduction"
 REPORT = PICTURES / JSON
-README = DOCS.parent / "README.md"
+INDEX = DOCS / "index.md"
 BEGIN, END = "<!-- claims -->\n", "<!-- end of claims -->"
 
 
 def text_of(report: Report) -> str:
-    """The page of a report, its pictures in docs/reproduction/, without videos."""
+    """The page of a report, its pictures in docs/explanation/reproduction/, without videos.
+
+    Its commands are marked: they take too long for the test that runs those of all pages.
+    """
     sections = tuple(
         replace(one, pictures=tuple(f"reproduction/{Path(p).name}" for p in one.pictures))
         for one in report.sections
     )
-    return markdown(replace(report, sections=sections))
+    text = markdown(replace(report, sections=sections))
+    return text.replace("\n```sh\n", "\n<!-- not run: takes long -->\n```sh\n")
 
 
 def write(folder: Path) -> None:
@@ -48,13 +52,13 @@ def write(folder: Path) -> None:
             (PICTURES / Path(file).name).write_bytes((folder / file).read_bytes())
     REPORT.write_text(report.to_json(), encoding="utf-8")
     PAGE.write_text(text_of(report), encoding="utf-8")
-    text = README.read_text(encoding="utf-8")
+    text = INDEX.read_text(encoding="utf-8")
     before, after = text.split(BEGIN)[0], text.split(END)[1]
-    README.write_text(before + BEGIN + claims(report) + END + after, encoding="utf-8")
+    INDEX.write_text(before + BEGIN + claims(report) + END + after, encoding="utf-8")
 
 
 def claims(report: Report) -> str:
-    """How many claims of a report are met, partly met, not met: what the README says of it."""
+    """How many claims of a report are met, partly met, not met: what the front page says of it."""
     count = Counter(row.outcome for row in report.rows)
     counts = ", ".join(f"{count[one]} {one}" for one in Outcome)
     return f"Of {len(report.rows)} claims: {counts}.\n"

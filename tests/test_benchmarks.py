@@ -157,7 +157,7 @@ def test_a_rate_leaves_out_what_comes_once(monkeypatch: Any) -> None:
     assert whole["steps"] == 100
 
 
-@pytest.mark.parametrize("given", [["--trial", "nowhere"], ["--only", "nothing"]])
+@pytest.mark.parametrize("given", [["--trial", "nowhere"], ["--quick", "nothing"]])
 def test_bad_input_ends_with_2(given: list[str], monkeypatch: Any, capsys: Any) -> None:
     monkeypatch.setattr(sys, "argv", ["benchmarks", *given])
     try:

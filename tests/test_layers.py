@@ -217,11 +217,15 @@ def test_third_parties_stay_where_they_belong() -> None:
     allowed = {
         "pymunk": ("physim.simulation.engine",),
         "h5py": ("physim.record", "physim.world.file"),  # the world inside a record
-        "cv2": ("physim.drawing.video",),
         "svgelements": ("physim.authoring",),
         "lxml": ("physim.authoring",),
-        "av": ("physim.drawing.video",),
-        "matplotlib": ("physim.drawing.plots", "physim.drawing.preview", "physim.reproduction"),
+        "imageio_ffmpeg": ("physim.drawing.video",),
+        "matplotlib": (
+            "physim.drawing.video",
+            "physim.drawing.plots",
+            "physim.drawing.preview",
+            "physim.reproduction",
+        ),
         "PIL": ("physim.drawing.video", "physim.reproduction", "physim.authoring"),
         "rich": ("physim.cli", "physim.campaigns"),
         "cyclopts": ("physim.cli",),

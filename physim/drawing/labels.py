@@ -61,7 +61,7 @@ def significant(value: float, digits: int = 3) -> str:
 def clean(text: str) -> str:
     """Return ``text`` on one line: control characters and unpaired surrogates become spaces.
 
-    An unpaired surrogate (half a character) would crash OpenCV.
+    An unpaired surrogate is half a character, which no font has.
     """
     bad = {"Cc", "Cs", "Zl", "Zp"}
     spaced = "".join(" " if unicodedata.category(c) in bad else c for c in text)

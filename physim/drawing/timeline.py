@@ -48,7 +48,7 @@ class Moment(NamedTuple):
     """(N,) rows of the last decisions, -1 for none"""
     modes: IntArray
     """(N,) numbers of their modes, -1 for none"""
-    colours: list[Colour]
+    colours: NDArray[np.uint8]
     """of these modes; where no robot ever has one, the robots' own"""
     targets: FloatArray
     """(N, 2) [m], NaN where there is none"""
@@ -120,7 +120,8 @@ class Timeline:
         self._rows = np.append(order, NO_ROW)
         self._mode = np.append(record.updates["mode"].astype(np.int64), NO_NUMBER)
         known = len(self.scene.modes)
-        self._colours = [self.scene.mode_colour(mode) for mode in (*range(known), NO_NUMBER)]
+        each = [self.scene.mode_colour(mode) for mode in (*range(known), NO_NUMBER)]
+        self._colours = np.array(each, np.uint8)
         targets = [record.column(name, absent=np.nan) for name in ("target_x", "target_y")]
         self._targets = np.append(np.column_stack(targets), [[np.nan, np.nan]], axis=0)
         self.aims = bool(np.isfinite(self._targets).all(axis=1).any())
@@ -142,10 +143,11 @@ class Timeline:
             time = float(self.time[sample])
         rows = self.decisions(time)
         modes = self.modes(rows)
-        colours = [self._colours[mode] for mode in modes.tolist()]
+        colours = self._colours[modes]
         if self.modeless:
             alike = self.robots > NAMED
-            colours = [BAND] * self.robots if alike else list(self.scene.colours)
+            each = [BAND] * self.robots if alike else self.scene.colours
+            colours = np.array(each, np.uint8)
         pose = np.asarray(self.record.pose[sample], dtype=np.float64)
         return Moment(time, sample, pose, rows, modes, colours, self._targets[rows])
 

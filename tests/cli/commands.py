@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import av
+import imageio.v3 as iio
 import pytest
 
 from physim.cli import main
@@ -86,8 +86,7 @@ def command(arguments: Sequence[object]) -> list[str]:
 
 def frames(path: Path) -> int:
     """Frames of a video, every one decoded."""
-    with av.open(str(path)) as video:
-        return sum(1 for _ in video.decode(video=0))
+    return sum(1 for _ in iio.imiter(path, plugin="FFMPEG"))
 
 
 def tree(folder: Path) -> dict[str, Any]:

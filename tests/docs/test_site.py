@@ -8,6 +8,7 @@ below a line ``<!-- not run: why -->`` is not run.
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
@@ -111,7 +112,7 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
         assert loaded == [], page  # nothing is loaded from elsewhere
 
 
-@pytest.mark.deep
+@pytest.mark.deep(each=True)
 @pytest.mark.parametrize(
     "page",
     RUN_HERE,
@@ -125,7 +126,7 @@ def test_every_block_of_a_page_does_what_it_says(page: Path, tmp_path: Path) -> 
         if block.title is not None:
             (tmp_path / block.title).parent.mkdir(parents=True, exist_ok=True)
             (tmp_path / block.title).write_text(block.text, encoding="utf-8")
-        elif block.language == "text":
+        elif block.language == "text" and not block.skipped:
             lines = [line.rstrip() for line in block.text.splitlines() if "…" not in line]
             missing = [line for line in lines if line not in map(str.rstrip, printed.splitlines())]
             assert missing == [], printed
@@ -136,6 +137,18 @@ def test_every_block_of_a_page_does_what_it_says(page: Path, tmp_path: Path) -> 
             printed = done.stdout + done.stderr
             assert done.returncode == 0, f"{block.text}\n{printed}"
             assert "Traceback" not in printed
+
+
+@pytest.mark.deep
+def test_every_notebook_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    for book in DOCS.rglob("*.ipynb"):
+        cells = json.loads(book.read_text("utf-8"))["cells"]
+        code = "\n".join("".join(one["source"]) for one in cells if one["cell_type"] == "code")
+        done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True)
+        assert done.returncode == 0, done.stderr
+        shown = [t for one in cells for o in one.get("outputs", ()) for t in o.get("text", ())]
+        assert "".join(shown) == done.stdout.decode()  # what the page shows is what it prints
 
 
 def checked(text: str) -> str:

@@ -12,23 +12,28 @@ import io
 import json
 import re
 import shutil
+import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
 from unittest import mock
 
-import cv2
 import matplotlib.figure
 import numpy as np
+from matplotlib.path import Path as Codes
 
 import physim
 from physim.cli import main
 from physim.drawing.plots import draw
 from physim.drawing.video import frame_at
+from tests.helpers import inside
 from tests.helpers.unpacking import unpack
+
+ROOM = "physim.drawing.video"
+Canvas, sprite = inside(ROOM, "Canvas", "sprite")
 
 RUNS: dict[str, tuple[str, ...]] = {
     "straight": ("straight",),
@@ -164,37 +169,34 @@ def frames(name: str) -> dict[str, Any]:
 def frame(run: physim.Record, time: float) -> dict[str, Any]:
     shapes: Counter[str] = Counter()
     texts: list[str] = []
+    draw_paths, area = Canvas.draw, Canvas.area
 
-    def noted(kind: str, real: Callable[..., Any]) -> Callable[..., Any]:
-        def draw_it(*given: Any, **more: Any) -> Any:
-            if kind == "putText":
-                texts.append(given[1])
-            else:
-                colours = (one for one in given[1:] if isinstance(one, tuple) and len(one) == 3)
-                shapes[f"{kind} {next(colours, '')}"] += 1
-            return real(*given, **more)
+    def noted(self: Any, paths: Any, faces: Any = (), edges: Any = (), widths: Any = (1.0,),
+              **how: Any) -> None:  # fmt: skip
+        for k in range(max(len(paths), len(how.get("at", ())))):
+            codes = paths[k % len(paths)].codes
+            pieces = 1 if codes is None else int((codes == Codes.MOVETO).sum())
+            for kind, colours in (("fill", faces), ("line", edges)):
+                if len(colours) and (kind == "fill" or widths[k % len(widths)]):
+                    colour = tuple(round(float(one)) for one in colours[k % len(colours)])
+                    shapes[f"{kind} {colour}"] += pieces
+        draw_paths(self, paths, faces, edges, widths, **how)
 
-        return draw_it
+    def noted_area(self: Any, *given: Any) -> None:
+        shapes[f"area {given[-1]}"] += 1
+        area(self, *given)
 
-    forget_sprites()
-    kinds = ("fillPoly", "fillConvexPoly", "polylines", "line", "circle", "rectangle", "putText")
-    patches = [mock.patch.object(cv2, kind, noted(kind, getattr(cv2, kind))) for kind in kinds]
-    for patch in patches:
-        patch.start()
-    try:
+    def noted_text(text: str, *given: Any, **how: Any) -> Any:
+        texts.append(text)
+        return sprite(text, *given, **how)
+
+    with ExitStack() as patches:
+        patches.enter_context(mock.patch.multiple(Canvas, draw=noted, area=noted_area))
+        for name, module in [*sys.modules.items()]:
+            if name.startswith(ROOM) and getattr(module, "sprite", None) is sprite:
+                patches.enter_context(mock.patch.object(module, "sprite", noted_text))
         image = frame_at(run, min(time, run.steps_run * run.dt))
-    finally:
-        mock.patch.stopall()
     return {"size": list(image.shape), "shapes": dict(sorted(shapes.items())), "texts": texts}
-
-
-def forget_sprites() -> None:
-    """Texts are drawn once and kept; they are to be drawn again."""
-    from physim.drawing.video import canvas
-
-    for one in vars(canvas).values():
-        if hasattr(one, "cache_clear") and one.__name__ == "sprite":
-            one.cache_clear()
 
 
 def plots() -> dict[str, Any]:

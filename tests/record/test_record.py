@@ -256,5 +256,5 @@ def test_data_frames_hold_the_values_of_the_record(monkeypatch: pytest.MonkeyPat
         assert set(contacts["phase"]) == {"began", "stays", "ended"}
         assert (set(contacts["a"]), set(contacts["b"])) == ({"r1", "r2"}, {"r2", "left"})
         monkeypatch.setitem(sys.modules, "pandas", None)
-        with pytest.raises(PhysimError, match="pip install pandas"):
+        with pytest.raises(PhysimError, match=r'pip install "physim\[study\]"'):
             record.to_pandas()

@@ -61,7 +61,7 @@ def test_page_is_written_from_its_report(report: Report) -> None:
 
 
 def test_the_readme_tells_how_many_claims_are_met(report: Report) -> None:
-    said = docs.README.read_text(encoding="utf-8").split(docs.BEGIN)[1].split(docs.END)[0]
+    said = docs.INDEX.read_text(encoding="utf-8").split(docs.BEGIN)[1].split(docs.END)[0]
     assert said == docs.claims(report)
 
 
@@ -76,7 +76,7 @@ def test_every_part_and_study_is_there_whole(report: Report) -> None:
 
 def test_pictures_are_there_and_small(report: Report) -> None:
     shown = re.findall(r"\]\((reproduction/[^)]*)\)", docs.PAGE.read_text(encoding="utf-8"))
-    files = {docs.DOCS / name for name in shown}
+    files = {docs.PAGE.parent / name for name in shown}
     assert files == set(docs.PICTURES.glob("*.png"))
     assert len(files) >= 19 + len(studies())
     for file in files:

@@ -73,7 +73,12 @@ def write_page(
 
 
 def page(*records: Record, validation: Validation | None = None) -> Page:
-    """Make the page of one run or several, shown in step. Raises PhysimError as `write_page`."""
+    """Make the page of one run or several, shown in step.
+
+    ``validation`` is that of the one run, and is told in the page. Raises PhysimError where there
+    are no records, too many, or more than the one that was validated, and for a record without
+    samples or robots.
+    """
     if validation is not None and len(records) != 1:
         raise PhysimError(f"a validation is of one record; given {len(records)}")
     if not 1 <= len(records) <= MOST_RUNS:

@@ -18,7 +18,7 @@ from physim.drawing.crowd import MOST_LINES, NAMED
 from physim.drawing.drivers import MOST_DRIVERS, drivers_of, marks_of, owner_of
 from physim.drawing.items import Item, Level, items
 from physim.drawing.labels import round_step, significant
-from physim.drawing.palette import Colour, hexed
+from physim.drawing.palette import hexed
 from physim.drawing.plots.frame import (
     USUAL,
     Note,
@@ -218,19 +218,18 @@ def _snapshots(axis: Any, timeline: Timeline, at: IntArray) -> list[Any]:
 
     scene, crowd = timeline.scene, timeline.robots > MOST_LINES
     shapes, ticks = [], []
-    colours: list[Colour] = []
     moments = [timeline.at(time) for time in timeline.time[at].tolist()]
     tips = [np.array([[0.0, 0.0], [points[:, 0].max(), 0.0]]) for points in scene.outlines]
     for now in moments:
         shapes += [placed(*pair) for pair in zip(scene.outlines, now.pose, strict=True)]
-        colours += now.colours if crowd else scene.colours
         ticks += [placed(*pair) for pair in zip(tips, now.pose, strict=True)]
     size = 72.0 * WIDTH / float(np.ptp(axis.get_xlim())) * 2.0 * float(scene.reach.max())  # [pt]
     edge = 0.4 if not crowd else 0.2 if size >= TINY else 0.0
     danger = np.append([mode.danger for mode in scene.modes], False)
     order = np.argsort(danger[np.concatenate([now.modes for now in moments])], kind="stable")
     order = order if crowd else np.arange(len(shapes))
-    faces = [hexed(colours[k]) for k in order]
+    colours = [now.colours if crowd else np.array(scene.colours) for now in moments]
+    faces = np.concatenate(colours)[order] / 255.0
     bodies = PolyCollection([shapes[k] for k in order], facecolor=faces, edgecolor=INK,
                             linewidth=edge, zorder=3.0)  # fmt: skip
     axis.add_collection(bodies, autolim=False)

@@ -1,36 +1,34 @@
-"""The picture of 1280 x 720 pixels: its parts, the map from the world to it, lines, text and marks.
+"""The picture of 1280 x 720 pixels: its parts, the map from the world to it, lines and marks.
 
-Lengths are pixels of that picture. Text is in any script, by OpenCV's embedded outline fonts.
+matplotlib's Agg renderer draws what is smooth, numpy what goes along rows and columns of pixels.
+Lengths are pixels of the picture, y goes down, and whole numbers are the middles of pixels.
 """
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, Sequence
-from itertools import pairwise
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Self
 
-import cv2
 import numpy as np
+from matplotlib.backends.backend_agg import RendererAgg
+from matplotlib.path import Path
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from physim.drawing import palette
-from physim.drawing.labels import number, shortened
+from physim.drawing.labels import number
 from physim.drawing.palette import Colour
 from physim.drawing.scene_model import Shape
-from physim.geometry.shapes import FloatArray
+from physim.drawing.video.text import ABOVE, LEFT, NORMAL, TEXT, Sprite, sprite, width
+from physim.geometry.shapes import FloatArray, IntArray
 
 Image = NDArray[np.uint8]
-Sprite = tuple[NDArray[np.float32], NDArray[np.float32]]
-"""Colour times opacity (h, w, 3) from 0 to 255, and transparency (h, w, 3) from 0 to 1."""
-
+Colours = Sequence[Colour] | NDArray[Any]
+"""(n, 3) from 0 to 255"""
 WIDTH, HEIGHT = 1280, 720
 PANEL_WIDTH, STRIP_HEIGHT = 272, 184
-TEXT, SMALL, TITLE = 14, 13, 17
-"""[px] font sizes; the second is the least used anywhere"""
-NORMAL, BOLD = 420, 600
-"""Weights of fonts."""
 
 TRAIL, SHORT_TRAIL = 10.0, 2.0
 """[s] simulated length of a trail, and of one in a crowd, where robots follow close behind"""
@@ -38,10 +36,6 @@ FLASH = 0.5
 """[s of video] length of the flash at a contact"""
 MARK = 1.0
 """[s] least simulated time that the mark of a contact stays, and at least FLASH of video"""
-
-SHIFT = 4
-"""Fractional bits of the pixel coordinates given to OpenCV (1/16 px)."""
-ONE = 1 << SHIFT
 LONGEST = 150
 """[px] a scale bar is at most so long"""
 
@@ -60,7 +54,7 @@ class Box(NamedTuple):
         return np.array([self.width, self.height], dtype=np.float64)
 
     def of(self, image: Image) -> Image:
-        """Return the part of ``image`` in this box, as a view: drawing there is clipped to it."""
+        """Return the part of ``image`` in this box, as a view."""
         return image[self.top : self.top + self.height, self.left : self.left + self.width]
 
 
@@ -88,40 +82,197 @@ class Lens(NamedTuple):
         """Return points (…, 2) [m] as pixels (…, 2)."""
         return np.asarray(points) * (self.scale, -self.scale) + (self.x, self.y)
 
-    def fixed(self, points: FloatArray) -> NDArray[np.int32]:
-        """Return points (…, 2) [m] as OpenCV's fixed-point pixels (…, 2)."""
-        return fixed(self.pixels(points))
+    def matrix(self) -> FloatArray:
+        """Return the map as a matrix (3, 3)."""
+        return np.array([[self.scale, 0.0, self.x], [0.0, -self.scale, self.y], [0.0, 0.0, 1.0]])
 
 
-def fixed(pixels: FloatArray) -> NDArray[np.int32]:
-    """Return pixels as OpenCV's fixed-point numbers; far outside the picture they saturate."""
-    return np.rint(np.clip(pixels, -1e6, 1e6) * ONE).astype(np.int32)
+AS_IS, NOWHERE = np.eye(3), np.zeros((1, 2))
+TURNS = np.linspace(0.0, 2.0 * np.pi, 33)
+
+
+class Line(NamedTuple):
+    """What Agg reads of a `matplotlib.path.Path`, which takes ten times as long to make."""
+
+    vertices: FloatArray
+    """(n, 2)"""
+    codes: NDArray[np.uint8] | None = None
+    """(n,) those of such a path"""
+    should_simplify: bool = False
+    simplify_threshold: float = 0.0
+
+
+DISC = Line(np.column_stack((np.cos(TURNS), np.sin(TURNS))))
+
+
+class Canvas:
+    """A picture to draw in, or a part of one, at whose edges what is drawn ends."""
+
+    def __init__(self, size: tuple[int, int], colour: Colour = palette.WHITE) -> None:
+        """``size`` is width and height [px]."""
+        self._agg: Any = RendererAgg(*size, 72)  # type: ignore[no-untyped-call]
+        buffer = self._agg.buffer_rgba()  # type: ignore[no-untyped-call]
+        self._whole: Image = np.asarray(buffer)
+        self._take(Box(0, 0, *size))
+        self.pixels[:] = (*colour, 255)
+
+    def _take(self, box: Box) -> None:
+        high = len(self._whole)
+        self.box = box
+        self.pixels = box.of(self._whole)
+        """(h, w, 4): red, green, blue, and 255"""
+        self._gc = self._agg.new_gc()
+        self._gc.set_capstyle("round")
+        self._gc.set_snap(False)
+        bottom = high - box.top - box.height
+        self._gc.set_clip_rectangle(Bbox.from_bounds(box.left, bottom, box.width, box.height))
+        x, y = box.left + 0.5, high - box.top - 0.5
+        self._placed = np.array([[1.0, 0.0, x], [0.0, -1.0, y], [0.0, 0.0, 1.0]])
+
+    def part(self, box: Box) -> Self:
+        """Return a part of this picture, to draw in by its own pixels."""
+        part = type(self).__new__(type(self))
+        part._agg, part._whole = self._agg, self._whole
+        left, top = self.box.left + box.left, self.box.top + box.top
+        part._take(Box(left, top, box.width, box.height))
+        return part
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height [px]."""
+        return self.box.width, self.box.height
+
+    def draw(
+        self,
+        paths: Sequence[Line],
+        faces: Colours = (),
+        edges: Colours = (),
+        widths: Sequence[float] | FloatArray = (1.0,),
+        *,
+        turned: FloatArray = AS_IS[None],
+        lens: FloatArray = AS_IS,
+        at: FloatArray = NOWHERE,
+    ) -> None:
+        """Draw paths filled in colours ``faces``, with lines in colours ``edges``, one by one.
+
+        ``turned`` (n, 3, 3) and then ``lens`` (3, 3) take their points to pixels, and ``at`` (n, 2)
+        is added. What there are fewer of than of the longest begins again.
+        """
+        self._agg.draw_path_collection(
+            self._gc, self._placed @ lens, paths, turned, at * (1.0, -1.0), AS_IS,
+            _shares(faces), _shares(edges), widths, [(0, None)], [True], [None], "screen",
+        )  # fmt: skip
+
+    def lines(
+        self,
+        lines: Sequence[FloatArray] | FloatArray,
+        colour: Colour,
+        width: float,
+        closed: bool = False,
+    ) -> None:
+        """Draw lines (n, 2) of one colour and width."""
+        if len(lines):
+            self.draw([joined(lines, closed)], edges=[colour], widths=[width])
+
+    def fill(self, rings: Sequence[FloatArray], colour: Colour) -> None:
+        """Fill rings (n, 2); of one that goes round another the other way, what is between them."""
+        if len(rings):
+            self.draw([joined(rings, closed=True)], faces=[colour])
+
+    def discs(
+        self,
+        at: FloatArray,
+        radius: float,
+        face: Colour | None,
+        edge: Colour | None = None,
+        width: float = 1.0,
+    ) -> None:
+        """Draw discs round middles (n, 2), filled, with an edge, or both."""
+        if len(at):
+            faces, edges = ([] if colour is None else [colour] for colour in (face, edge))
+            scaled = np.diag((radius, radius, 1.0))[None]
+            self.draw([DISC], faces, edges, [width], turned=scaled, at=at)
+
+    def area(self, left: int, top: int, right: int, bottom: int, colour: Colour) -> None:
+        """Fill a rectangle from its first to its last column and row."""
+        part = np.s_[max(top, 0) : max(bottom + 1, 0), max(left, 0) : max(right + 1, 0)]
+        self.pixels[part] = (*colour, 255)
+
+    def frame(self, left: int, top: int, right: int, bottom: int, colour: Colour) -> None:
+        """Draw a line of one pixel along the edges of a rectangle."""
+        for y in (top, bottom):
+            self.area(left, y, right, y, colour)
+        for x in (left, right):
+            self.area(x, top, x, bottom, colour)
+
+    def write(
+        self,
+        text: str,
+        at: tuple[float, float],
+        size: int,
+        *,
+        colour: Colour = palette.INK,
+        weight: str = NORMAL,
+        anchor: str = "left",
+    ) -> None:
+        """Write a text with its baseline at (x, y); ``anchor``: left, middle, right."""
+        share = {"left": 0.0, "middle": 0.5, "right": 1.0}[anchor]
+        x = round(at[0] - share * width(text, size, weight))
+        self.stamp(sprite(text, size, colour, weight), x - LEFT, round(at[1]) - size - ABOVE)
+
+    def stamp(self, picture: Sprite, left: int, top: int) -> None:
+        """Blend a text into the picture with its corner at (left, top)."""
+        wide, high = picture.size
+        y0, y1 = max(top, 0), min(top + high, self.box.height)
+        x0, x1 = max(left, 0), min(left + wide, self.box.width)
+        if y0 >= y1 or x0 >= x1:
+            return
+        part = np.s_[y0 - top : y1 - top, x0 - left : x1 - left]
+        blended = self.pixels[y0:y1, x0:x1] * picture.transparency[part]
+        blended += picture.colour[part]
+        self.pixels[y0:y1, x0:x1] = blended
+
+
+def joined(lines: Sequence[FloatArray] | FloatArray, closed: bool = False) -> Line:
+    """Return lines (n, 2) as one."""
+    if closed:
+        lines = [np.concatenate((line, line[:1])) for line in lines]
+    codes = _codes(tuple(map(len, lines)), closed)
+    return Line(np.concatenate(lines), codes)
+
+
+@functools.lru_cache(maxsize=256)
+def _codes(lengths: tuple[int, ...], closed: bool) -> NDArray[np.uint8]:
+    ends = np.cumsum(lengths)
+    codes = np.full(ends[-1], Path.LINETO, np.uint8)
+    codes[[0, *ends[:-1]]] = Path.MOVETO
+    if closed:
+        codes[ends - 1] = Path.CLOSEPOLY
+    return codes
+
+
+def _shares(colours: Colours) -> FloatArray:
+    """Colours as (n, 4) from 0 to 1, opaque."""
+    if isinstance(colours, np.ndarray):
+        return np.column_stack((colours / 255.0, np.ones(len(colours))))
+    return _shares_of(tuple(colours))
+
+
+@functools.lru_cache(maxsize=256)
+def _shares_of(colours: tuple[Colour, ...]) -> FloatArray:
+    return _shares(np.array(colours, float).reshape(-1, 3))
 
 
 # Lines
 
 
-def draw_lines(
-    image: Image, lines: NDArray[np.int32], colour: Colour, width: int, closed: bool = False
-) -> None:
-    """Draw lines (k, n, 2) of fixed-point pixels."""
-    cv2.polylines(image, list(lines), closed, colour, width, cv2.LINE_AA, SHIFT)
-
-
-def draw_disc(
-    image: Image, at: NDArray[np.int32], radius: float, colour: Colour, width: int = cv2.FILLED
-) -> None:
-    """Draw a disc, or a ring of some ``width``, of ``radius`` [px] round fixed-point pixels."""
-    cv2.circle(image, at.tolist(), round(radius * ONE), colour, width, cv2.LINE_AA, SHIFT)
-
-
-def draw_progress(image: Image, left: int, right: int, y: int, share: float) -> None:
+def draw_progress(canvas: Canvas, left: int, right: int, y: int, share: float) -> None:
     """Draw a bar of which a share is done."""
-    cv2.line(image, (left, y), (right, y), palette.FAINT, 5)
-    cv2.line(image, (left, y), (left + round((right - left) * share), y), palette.QUIET, 5)
+    canvas.area(left, y - 2, right, y + 2, palette.FAINT)
+    canvas.area(left, y - 2, left + round((right - left) * share), y + 2, palette.QUIET)
 
 
-def draw_scale(image: Image, left: int, y: int, scale: float) -> None:
+def draw_scale(canvas: Canvas, left: int, y: int, scale: float) -> None:
     """Draw a bar at ``left``, ``y`` [px] for a scale [px/m], and its length beside it.
 
     The length is the greatest of 1, 2, 5 × a power of ten [m] with room for it.
@@ -130,92 +281,10 @@ def draw_scale(image: Image, left: int, y: int, scale: float) -> None:
     decade = 10.0 ** math.floor(math.log10(most))
     length = next(factor * decade for factor in (5.0, 2.0, 1.0, 0.5) if factor * decade <= most)
     end = left + round(length * scale)
-    cv2.line(image, (left, y), (end, y), palette.INK, 2)
+    canvas.area(left, y - 1, end, y, palette.INK)
     for x in (left, end):
-        cv2.line(image, (x, y - 5), (x, y + 5), palette.INK, 2)
-    write(image, f"{number(length, length)} m", (end + 10, y + 5), TEXT)
-
-
-# Text
-
-
-@functools.cache
-def _face() -> Any:
-    return cv2.FontFace("sans")
-
-
-@functools.lru_cache(maxsize=4096)
-def width(text: str, size: int, weight: int = NORMAL) -> int:
-    """Return the width of ``text`` [px] at font size ``size`` [px]."""
-    return int(cv2.getTextSize((8, 8), text, (0, 0), _face(), size, weight)[2])
-
-
-@functools.lru_cache(maxsize=4096)
-def shorten(text: str, size: int, room: int, weight: int = NORMAL) -> str:
-    """Return ``text`` cleaned and, where wider than ``room`` px, cut and ended with an ellipsis."""
-    return shortened(text, lambda cut: width(cut, size, weight) <= room)
-
-
-def wrapped(text: str, size: int, room: int, most: int) -> list[str]:
-    """Return ``text`` in at most ``most`` lines of ``room`` px, ended at commas, the last cut."""
-    lines: list[str] = []
-    for part in text.split(", ") if text else ():
-        longer = f"{lines[-1]}, {part}" if lines else part
-        if lines and (len(lines) == most or width(f"{longer},", size) <= room):
-            lines[-1] = longer
-        else:
-            lines.append(part)
-    ends = ["," for _ in lines[1:]] + [""]
-    return [shorten(line + end, size, room) for line, end in zip(lines, ends, strict=False)]
-
-
-def write(
-    image: Image,
-    text: str,
-    at: tuple[float, float],
-    size: int,
-    *,
-    colour: Colour = palette.INK,
-    weight: int = NORMAL,
-    anchor: str = "left",
-) -> None:
-    """Write a text with its baseline at (x, y) [px]; ``anchor``: left, middle, right."""
-    x = at[0]
-    if anchor != "left":
-        x -= width(text, size, weight) * (0.5 if anchor == "middle" else 1.0)
-    cv2.putText(image, text, (round(x), round(at[1])), colour, _face(), size, weight)
-
-
-@functools.lru_cache(maxsize=2048)
-def sprite(text: str, size: int, colour: Colour, weight: int = BOLD) -> Sprite:
-    """Return a text with a white halo, made ready to be blended into a picture."""
-    wide, high = width(text, size, weight) + 8, size + 10
-    ink = np.zeros((high, wide, 3), np.uint8)
-    write(ink, text, (4, high - 8), size, colour=palette.WHITE, weight=weight)
-    cover = ink[:, :, :1].astype(np.float32) / 255.0
-    halo = cv2.GaussianBlur(cv2.dilate(ink[:, :, 0], np.ones((3, 3), np.uint8)), (5, 5), 0)
-    opacity = np.maximum(cover, np.minimum(halo[:, :, None] / 255.0 * 1.2, 0.9))
-    tint = np.floor(cover * np.array(colour, np.float32) + (1.0 - cover) * 255.0)
-    return (tint * opacity).astype(np.float32), np.repeat(1.0 - opacity, 3, 2).astype(np.float32)
-
-
-def size_of(picture: Sprite) -> tuple[int, int]:
-    """Return the width and height of a sprite [px]."""
-    return picture[0].shape[1], picture[0].shape[0]
-
-
-def stamp(image: Image, picture: Sprite, left: int, top: int) -> None:
-    """Blend a sprite into ``image`` with its corner at (left, top), clipped at the edges."""
-    colour, transparency = picture
-    high, wide = transparency.shape[:2]
-    y0, y1 = max(top, 0), min(top + high, image.shape[0])
-    x0, x1 = max(left, 0), min(left + wide, image.shape[1])
-    if y0 >= y1 or x0 >= x1:
-        return
-    part = (slice(y0 - top, y1 - top), slice(x0 - left, x1 - left))
-    blended = image[y0:y1, x0:x1] * transparency[part]
-    blended += colour[part]
-    image[y0:y1, x0:x1] = blended
+        canvas.area(x - 1, y - 5, x, y + 5, palette.INK)
+    canvas.write(f"{number(length, length)} m", (end + 10, y + 5), TEXT)
 
 
 # Marks
@@ -226,126 +295,128 @@ ARMS = np.array([[[-1.0, -1.0], [1.0, 1.0]], [[-1.0, 1.0], [1.0, -1.0]]])
 """of the cross of a contact"""
 
 
-class Outline(NamedTuple):
-    """A robot at one time, in OpenCV's fixed-point pixels."""
-
-    rings: list[NDArray[np.int32]]
-    mark: NDArray[np.int32]
-
-
 class Fleet:
-    """All robots: their vertices are placed together, in one go a frame."""
+    """All robots: paths to draw, and their vertices, which are placed in one go a frame."""
 
     def __init__(self, shapes: Sequence[Shape]) -> None:
         self.shapes = shapes
-        pieces = [[*one.rings, one.mark] for one in shapes]
-        flat = [piece for body in pieces for piece in body]
-        self._points = np.concatenate(flat)
-        self._owner = np.repeat(
-            np.arange(len(pieces)), [sum(len(piece) for piece in body) for body in pieces]
-        )
-        self._start = np.searchsorted(self._owner, np.arange(len(pieces)))
-        spans = iter(pairwise(np.cumsum([0, *map(len, flat)]).tolist()))
-        self._spans = [[next(spans) for _ in body] for body in pieces]
+        each = {id(one): (joined(one.rings, True), joined([one.mark], True)) for one in shapes}
+        self.paths = [each[id(one)] for one in shapes]
+        """of each robot its outline and its mark, in its frame"""
+        bodies = [np.concatenate(one.rings) for one in shapes]
+        self._points = np.concatenate(bodies)
+        self._start = np.cumsum([0, *map(len, bodies)])
+        self._owner = np.repeat(np.arange(len(bodies)), np.diff(self._start))
 
     def placed(self, pose: FloatArray) -> FloatArray:
-        """Return all vertices (V, 2) [m] in the world frame for poses (N, 3)."""
+        """Return the vertices of all outlines (V, 2) [m] in the world frame for poses (N, 3)."""
         c, s = np.cos(pose[:, 2])[self._owner], np.sin(pose[:, 2])[self._owner]
         x, y = self._points.T
         turned = np.stack((c * x - s * y, s * x + c * y), axis=1)
         return turned + pose[self._owner, :2]
 
-    def split(
-        self, vertices: NDArray[np.int32], robots: Iterable[int] | None = None
-    ) -> list[Outline]:
-        """Divide vertices (V, 2) into the outlines of all robots, or of some."""
-        outlines = []
-        for robot in range(len(self.shapes)) if robots is None else robots:
-            pieces = [vertices[a:b] for a, b in self._spans[robot]]
-            outlines.append(Outline(pieces[:-1], pieces[-1]))
-        return outlines
+    def outline(self, vertices: FloatArray, robot: int) -> FloatArray:
+        """Return those (n, 2) of vertices (V, 2) that are of one robot."""
+        return vertices[self._start[robot] : self._start[robot + 1]]
 
-    def boxes(self, vertices: NDArray[np.int32]) -> FloatArray:
-        """Return left, top, right, bottom (N, 4) [px] of robots, of vertices (V, 2)."""
-        low = np.minimum.reduceat(vertices, self._start, axis=0)
-        high = np.maximum.reduceat(vertices, self._start, axis=0)
-        return np.concatenate((low, high), axis=1) / ONE
+    def boxes(self, vertices: FloatArray) -> FloatArray:
+        """Return left, top, right, bottom (N, 4) [px] of robots, of vertices (V, 2) [px]."""
+        low = np.minimum.reduceat(vertices, self._start[:-1], axis=0)
+        high = np.maximum.reduceat(vertices, self._start[:-1], axis=0)
+        return np.concatenate((low, high), axis=1)
 
 
 def draw_robots(
-    view: Image, outlines: Sequence[Outline], colours: Sequence[Colour], touching: Sequence[bool]
+    canvas: Canvas,
+    fleet: Fleet,
+    lens: Lens,
+    pose: FloatArray,
+    colours: NDArray[Any],
+    touching: NDArray[np.bool_],
+    seen: IntArray | None = None,
 ) -> None:
-    """Draw robots in the colours of their modes, given in OpenCV's fixed-point pixels.
+    """Draw robots, or those ``seen``, at poses (N, 3) in colours (N, 3) of their modes.
 
-    A robot that touches something has a firm outline in the contact colour. Lines of one colour
-    are drawn together: calls cost more than pixels.
+    One that touches something is over the others, with a firm outline in the contact colour.
     """
-    edges: dict[tuple[Colour, int], list[NDArray[np.int32]]] = {}
-    dark = {colour: palette.mix(colour, (0, 0, 0), 0.6) for colour in set(colours)}
-    for outline, colour, touches in zip(outlines, colours, touching, strict=True):
-        cv2.fillPoly(view, outline.rings, colour, cv2.LINE_AA, SHIFT)
-        edge = (palette.CONTACT, 3) if touches else (dark[colour], 1)
-        edges.setdefault(edge, []).extend(outline.rings)
-    for (colour, width), rings in sorted(edges.items(), key=lambda edge: edge[0][1]):
-        cv2.polylines(view, rings, True, colour, width, cv2.LINE_AA, SHIFT)
-    for outline in outlines:
-        cv2.fillConvexPoly(view, outline.mark, palette.WHITE, cv2.LINE_AA, SHIFT)
+    robots = np.arange(len(pose)) if seen is None else seen
+    robots = robots[np.argsort(touching[robots], kind="stable")]
+    colour, c, s = colours[robots], np.cos(pose[robots, 2]), np.sin(pose[robots, 2])
+    turned = np.zeros((len(robots), 3, 3))
+    turned[:, 0, 0], turned[:, 0, 1], turned[:, 0, 2] = c, -s, pose[robots, 0]
+    turned[:, 1, 0], turned[:, 1, 1], turned[:, 1, 2] = s, c, pose[robots, 1]
+    turned[:, 2, 2] = 1.0
+    firm = touching[robots]
+    edges = np.where(firm[:, None], palette.CONTACT, 0.4 * colour)
+    canvas.draw(
+        [path for robot in robots.tolist() for path in fleet.paths[robot]],
+        np.stack((colour, np.full_like(colour, 255)), axis=1).reshape(-1, 3),
+        np.repeat(edges, 2, axis=0),
+        np.stack((np.where(firm, 4.0, 1.0), np.zeros(len(robots))), axis=1).ravel(),
+        turned=np.repeat(turned, 2, axis=0),
+        lens=lens.matrix(),
+    )
 
 
 def draw_trails(
-    view: Image, pixels: NDArray[np.int32], colour: Colour, bands: int, width: int = 2
+    canvas: Canvas,
+    trails: FloatArray,
+    colours: Sequence[Colour],
+    bands: int,
+    width: float = 3.0,
 ) -> None:
-    """Draw where robots went, (N, T, 2) fixed-point pixels, old to new, fading in steps."""
-    count = pixels.shape[1] - 1
+    """Draw where robots went, (N, T, 2) [px], old to new, fading in steps.
+
+    ``colours`` are one for each, or one for all.
+    """
+    count, paths, edges = trails.shape[1] - 1, [], []
     for band in range(bands):
         first, last = band * count // bands, (band + 1) * count // bands
-        if last > first:
-            shade = palette.mix(colour, palette.SAFE_AREA, 0.85 * (1.0 - (band + 1) / bands))
-            draw_lines(view, pixels[:, first : last + 1], shade, width)
+        if last > first and len(trails):
+            pieces, fade = trails[:, first : last + 1], 0.85 * (1.0 - (band + 1) / bands)
+            paths += [joined(pieces)] if len(colours) == 1 else list(map(Line, pieces))
+            edges += [palette.mix(colour, palette.SAFE_AREA, fade) for colour in colours]
+    if paths:
+        canvas.draw(paths, edges=edges, widths=[width])
 
 
-def draw_targets(view: Image, lens: Lens, robots: FloatArray, targets: FloatArray) -> None:
-    """Draw targets (N, 2) [m] as small rings, joined to their robots by thin lines."""
+def draw_targets(canvas: Canvas, robots: FloatArray, targets: FloatArray) -> None:
+    """Draw targets (N, 2) as small rings, joined to their robots (N, 2) by thin lines; all [px]."""
     known = np.isfinite(targets).all(axis=1)
-    ends = lens.fixed(np.stack((robots[known], targets[known]), axis=1))
-    draw_lines(view, ends, palette.QUIET, 1)
-    for end in ends[:, 1]:
-        draw_disc(view, end, 3.0, palette.WHITE)
-        draw_disc(view, end, 3.0, palette.INK, 1)
+    canvas.lines(np.stack((robots[known], targets[known]), axis=1), palette.QUIET, 1.0)
+    canvas.discs(targets[known], 3.0, palette.WHITE, palette.INK)
 
 
-def draw_closest(view: Image, lens: Lens, points: FloatArray) -> None:
-    """Join the closest points (2, 2) [m] of two bodies."""
-    ends = lens.fixed(points)
-    draw_lines(view, ends[None], palette.WHITE, 5)
-    draw_lines(view, ends[None], palette.INK, 2)
-    for end in ends:
-        draw_disc(view, end, 3.0, palette.INK)
+def draw_closest(canvas: Canvas, points: FloatArray) -> None:
+    """Join the closest points (2, 2) [px] of two bodies."""
+    canvas.lines(points[None], palette.WHITE, 6.0)
+    canvas.lines(points[None], palette.INK, 3.0)
+    canvas.discs(points, 3.0, palette.INK)
 
 
-def draw_ring(image: Image, centre: FloatArray, radius: float, width: int) -> None:
+def draw_ring(canvas: Canvas, centre: FloatArray, radius: float, width: float) -> None:
     """Draw a ring in the contact colour round ``centre`` (2,), all [px]."""
-    draw_disc(image, fixed(centre), radius, palette.WHITE, width + 3)
-    draw_disc(image, fixed(centre), radius, palette.CONTACT, width)
+    canvas.discs(centre[None], radius, None, palette.WHITE, width + 3.0)
+    canvas.discs(centre[None], radius, None, palette.CONTACT, width)
 
 
 def draw_contacts(
-    image: Image, centres: FloatArray, swept: bool, small: bool = False, deep: bool = False
+    canvas: Canvas, centres: FloatArray, swept: bool, small: bool = False, deep: bool = False
 ) -> None:
     """Draw crosses of contacts, or open diamonds of swept ones, at ``centres`` (C, 2) [px].
 
     Of those that are too ``deep`` to be physical the cross is white on a disc.
     """
     centres = centres[np.isfinite(centres).all(axis=1)]
+    shape, arm, width = ARMS, 4.0 if small else 7.0, 2.5 if small else 4.5
+    colours = [(palette.WHITE, width + 3.0), (palette.CONTACT, width)]
     if deep:
-        for centre in fixed(centres):
-            draw_disc(image, centre, 13.0, palette.WHITE)
-            draw_disc(image, centre, 11.0, palette.CONTACT)
-        lines = fixed((centres[:, None, None] + 5.0 * ARMS).reshape(-1, 2, 2))
-        draw_lines(image, lines, palette.WHITE, 3)
-        return
-    shape = CORNERS[None] if swept else ARMS
-    arm, width = ((5.0, 2) if swept else (4.0, 2)) if small else ((9.0, 3) if swept else (7.0, 4))
-    lines = fixed((centres[:, None, None] + arm * shape).reshape(-1, *shape.shape[1:]))
-    draw_lines(image, lines, palette.WHITE, width + 3, swept)
-    draw_lines(image, lines, palette.CONTACT, width, swept)
+        canvas.discs(centres, 13.0, palette.WHITE)
+        canvas.discs(centres, 11.0, palette.CONTACT)
+        arm, colours = 5.0, [(palette.WHITE, 3.0)]
+    elif swept:
+        shape, arm, width = CORNERS[None], 5.0 if small else 9.0, 2.5 if small else 3.5
+        colours = [(palette.WHITE, width + 3.0), (palette.CONTACT, width)]
+    lines = (centres[:, None, None] + arm * shape).reshape(-1, *shape.shape[1:])
+    for colour, width in colours:
+        canvas.lines(lines, colour, width, closed=swept and not deep)

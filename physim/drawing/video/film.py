@@ -1,17 +1,17 @@
 """Files of films and stills, there whole or not at all: MP4, GIF and WebP, PNG.
 
-An MP4 is H.264 that browsers play, yuv420p, index at the front. The encoder runs in this process,
-so a Ctrl-C in the terminal cannot end it before its time, and in a thread of its own, so that
-drawing and encoding share the cores. GIF and WebP are for slides and play again and again; their
-frames are kept packed until all are there, as all have one set of colours.
+An MP4 is H.264 that browsers play, yuv420p, index at the front. ffmpeg, which comes with
+imageio-ffmpeg, encodes it beside this process while the next frame is drawn. GIF and WebP are for
+slides and play again and again; their frames are kept packed until all are there, as all have one
+set of colours.
 """
 
 from __future__ import annotations
 
-import itertools
 import os
-import queue
-import threading
+import re
+import subprocess
+import tempfile
 import zlib
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
@@ -19,10 +19,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, Self
 
-import av
-import cv2
 import numpy as np
 import PIL.Image
+from imageio_ffmpeg import get_ffmpeg_exe
 
 from physim.drawing.palette import Colour
 from physim.drawing.video.canvas import HEIGHT, WIDTH, Image
@@ -147,7 +146,7 @@ def check_length(frames: int, width: int) -> None:
 
 
 class Film:
-    """Takes frames (720, 1280, 3) uint8 RGB; use in a ``with`` block.
+    """Takes frames (720, 1280, 4) uint8, as a canvas has them; use in a ``with`` block.
 
     Leaving the block normally completes the file; leaving it by an error leaves none. Raises
     `physim.errors.PhysimError` for a place that cannot be written.
@@ -164,7 +163,7 @@ class Film:
         try:
             self._part.touch()
             self._open()
-        except (OSError, av.FFmpegError) as fault:
+        except (OSError, RuntimeError) as fault:  # the second where there is no ffmpeg
             discard(self._part)
             raise _unwritable(self.path, fault) from fault
         return self
@@ -180,7 +179,7 @@ class Film:
             self._close(whole=kind is None)
             if kind is None:
                 os.replace(self._part, self.path)
-        except (OSError, av.FFmpegError) as fault:
+        except OSError as fault:
             if kind is None:
                 raise _unwritable(self.path, fault) from fault
         finally:
@@ -194,86 +193,65 @@ class Film:
         raise NotImplementedError
 
 
-OPTIONS = {"preset": "ultrafast", "x264-params": "qp=25:bframes=3:b-adapt=0:weightb=0"}
+ENCODER = (
+    "-c:v", "libx264", "-preset", "ultrafast", "-threads", "1",
+    "-x264-params", "qp=25:bframes=3:b-adapt=0:weightb=0",
+    "-pix_fmt", "yuv420p", "-colorspace", "bt470bg", "-color_range", "tv",
+    "-color_primaries", "bt709", "-color_trc", "bt709", "-movflags", "+faststart", "-f", "mp4",
+)  # fmt: skip
 """Drawings are flat and mostly move as a whole: to search them for what could be saved costs more
-than it saves. As near to the drawing (45.5 dB for ten robots, 44.4 dB for a thousand) as "veryfast"
-at crf 20 with subme=1 and bframes=1, for half the work and files 1.4 times as large."""
-THREADS = 1
-"""of the encoder; more take more time of the processor in all"""
-LIMITED, BT601, BT709 = 1, 5, 1
-"""Numbers of H.264 (ITU-T H.273) for range, matrix, and primaries and transfer."""
-WAITING = 4
-"""Frames drawn ahead of the encoder."""
+than it saves. More threads take more time of the processor in all."""
 
 
 class VideoFile(Film):
     """A film as MP4."""
 
     def _open(self) -> None:
-        wide, high = self._size[0], self._size[1] // 4 * 4  # others PyAV divides into wrong planes
-        self._size = wide, high
-        # planes of frames, and the frames of the encoder that read them, used again and again
-        self._free: queue.SimpleQueue[tuple[Image, Any]] = queue.SimpleQueue()
-        for _ in range(WAITING):
-            planes: Image = np.empty((high * 3 // 2, wide), np.uint8)
-            self._free.put((planes, av.VideoFrame.from_numpy_buffer(planes, "yuv420p")))
-        self._frames: queue.Queue[tuple[Image, Any] | None] = queue.Queue(WAITING)
-        self._fault: BaseException | None = None
-        options = {"movflags": "+faststart"}
-        self._file: Any = av.open(f"file:{self._part}", "w", format="mp4", options=options)
-        rate = Fraction(self._fps).limit_denominator(1001)
-        self._stream: Any = self._file.add_stream("libx264", rate=rate, options=dict(OPTIONS))
-        self._stream.width, self._stream.height = self._size
-        self._stream.pix_fmt = "yuv420p"
-        context = self._stream.codec_context
-        context.thread_count = THREADS
-        # OpenCV's conversion (2.5 times as fast as swscale's) is that of BT.601, limited range;
-        # the file says so, and players follow it.
-        context.color_range, context.colorspace = LIMITED, BT601
-        context.color_primaries = context.color_trc = BT709
-        self._thread = threading.Thread(target=self._work, name="video encoder", daemon=True)
-        self._thread.start()
+        wide, high = self._size
+        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the film
+        source = "-f", "rawvideo", "-pix_fmt", "bgr24", "-s", f"{wide}x{high}"
+        rate = "-r", str(Fraction(self._fps).limit_denominator(1001))
+        command = [get_ffmpeg_exe(), "-v", "error", "-y", *source, *rate, "-i", "-", *ENCODER]
+        # in a session of its own: a Ctrl-C in the terminal must not end it before its time
+        self._encoder = subprocess.Popen(
+            [*command, f"file:{self._part}"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
+            stderr=self._errors, start_new_session=True,
+        )  # fmt: skip
 
     def write(self, frame: Image) -> None:
         """Take one frame, which may be changed afterwards. Raises what the encoder met."""
-        self._check()
-        self._last = self._free.get()
-        cv2.cvtColor(resized(frame, self._size), cv2.COLOR_RGB2YUV_I420, self._last[0])
-        self._frames.put(self._last)
+        # ffmpeg converts blue, green, red in half the time of other orders
+        self._last = resized(picture_of(frame), self._size).tobytes("raw", "BGR")
+        self.hold()
 
     def hold(self) -> None:
         """Take the last frame once more. Raises what the encoder met."""
-        self._check()
-        self._frames.put(self._last)
-
-    def _check(self) -> None:
-        if self._fault is not None:
-            raise _unwritable(self.path, self._fault) from self._fault
-
-    def _work(self) -> None:
-        """Encode what comes; a frame is free again when another has come."""
-        last: tuple[Image, Any] | None = None
-        for count in itertools.count():
-            given = self._frames.get()
-            if last is not None and given is not last:
-                self._free.put(last)
-            if (last := given) is None:
-                return
-            if self._fault is None:
-                try:
-                    last[1].pts = count
-                    self._file.mux(self._stream.encode(last[1]))
-                except BaseException as fault:
-                    self._fault = fault
+        assert self._encoder.stdin is not None
+        try:
+            self._encoder.stdin.write(self._last)
+        except BrokenPipeError:
+            self._encoder.wait()
+            raise self._fault() from None
 
     def _close(self, whole: bool) -> None:
-        self._frames.put(None)
-        self._thread.join()
-        if whole and self._fault is None:
-            self._file.mux(self._stream.encode(None))
-        self._file.close()
-        if whole:
-            self._check()
+        try:
+            if whole:
+                self._encoder.communicate()
+                if self._encoder.returncode:
+                    raise self._fault()
+        finally:
+            self._encoder.kill()
+            self._encoder.communicate()
+            self._errors.close()
+
+    def _fault(self) -> PhysimError:
+        """What the encoder, which has ended, said last."""
+        self._errors.seek(0)
+        said = self._errors.read().decode(errors="replace").strip().splitlines()
+        reason = f" ended with code {self._encoder.returncode}"
+        if said:  # without the part of ffmpeg that says it
+            reason = ": " + re.sub(r"^\[.*?\] ", "", said[-1])
+        return RecordError(f"{self.path}: cannot write it: ffmpeg{reason}")
 
 
 SAMPLES = 40
@@ -300,7 +278,7 @@ class Animation(Film):
 
     def write(self, frame: Image) -> None:
         """Take one frame, which may be changed afterwards."""
-        packed = zlib.compress(resized(frame, self._size).tobytes(), 1)
+        packed = zlib.compress(resized(picture_of(frame), self._size).tobytes("raw", "RGB"), 1)
         if self._packed and packed == self._packed[-1]:
             self.hold()
             return
@@ -367,11 +345,20 @@ class Table:
 # Stills
 
 
-def resized(frame: Image, size: tuple[int, int]) -> Image:
+def picture_of(frame: Image) -> PIL.Image.Image:
+    """Return a frame (h, w, 4) as a picture, which shows what it holds now or later."""
+    high, wide = frame.shape[:2]
+    return PIL.Image.frombuffer("RGBX", (wide, high), frame, "raw", "RGBX", 0, 1)
+
+
+def rgb_of(frame: Image) -> Image:
+    """Return a copy (h, w, 3) of a frame (h, w, 4)."""
+    return np.ascontiguousarray(frame[..., :3])
+
+
+def resized(picture: PIL.Image.Image, size: tuple[int, int]) -> PIL.Image.Image:
     """Return a picture of another ``size`` (width, height); the same one where it has it."""
-    if frame.shape[1::-1] == size:
-        return frame
-    return np.asarray(cv2.resize(frame, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    return picture if picture.size == size else picture.resize(size, PIL.Image.Resampling.BOX)
 
 
 def save_still(path: Path, image: Image) -> None:

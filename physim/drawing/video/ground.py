@@ -11,42 +11,34 @@ from collections.abc import Sequence
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 import shapely
+from numpy.typing import ArrayLike
 
 from physim.analysis.metrics import Figures
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
 from physim.drawing.items import Item, Level, items
 from physim.drawing.labels import grown, overlaps
-from physim.drawing.palette import Colour
 from physim.drawing.scene_model import pieces_of
 from physim.drawing.timeline import NO_ROW, Moment, Timeline
 from physim.drawing.video.canvas import (
-    NORMAL,
-    SHIFT,
-    TEXT,
     Box,
+    Canvas,
     Fleet,
     Image,
     Lens,
     draw_contacts,
-    draw_lines,
     draw_robots,
-    fixed,
-    shorten,
-    size_of,
-    sprite,
-    stamp,
 )
+from physim.drawing.video.text import BOLD, NORMAL, TEXT, shorten, sprite
 from physim.geometry.shapes import FloatArray
 
 TILE = 512
 """[px] edge of a tile"""
 EDGE = 16
 """[px] drawn round a tile and cut off: lines that end at an edge are drawn blunt there"""
-KEPT = 64
+KEPT = 48
 """Tiles kept (48 MB): memory stays flat however large the world."""
 
 
@@ -67,32 +59,30 @@ def ground(timeline: Timeline) -> Ground:
     return Ground([item for item in items(scene) if item.level <= Level.WALL], (low, high))
 
 
-def draw_ground(image: Image, ground: Ground, lens: Lens, small: bool = False) -> None:
+def draw_ground(canvas: Canvas, ground: Ground, lens: Lens, small: bool = False) -> None:
     """Draw what does not move as seen through ``lens``.
 
     ``small``: what can be distinguished then, thin, without paths, and one area.
     """
-    image[:] = palette.OUTSIDE
     area = [item.colour for item in ground.items if item.level == Level.AREA][-1:]
     for item in ground.items:
         if item.width == 0.0:
             colour = area[0] if small and item.level == Level.AREA else item.colour
-            rings = [lens.fixed(ring) for ring in item.lines]
-            cv2.fillPoly(image, rings, colour, cv2.LINE_AA, SHIFT)
+            canvas.fill([lens.pixels(ring) for ring in item.lines], colour)
         elif not (small and item.level == Level.PATH):
-            _draw_lines(image, item, lens, 1 if small else round(item.width))
+            _draw_lines(canvas, item, lens, 1.0 if small else 2.0 * item.width - 1.0)
 
 
-def _draw_lines(image: Image, item: Item, lens: Lens, width: int) -> None:
+def _draw_lines(canvas: Canvas, item: Item, lens: Lens, width: float) -> None:
+    if item.dash is None:
+        canvas.lines([lens.pixels(line) for line in item.lines], item.colour, width)
+        return
     every = lens.pixels(pieces_of(item.lines))
-    edge = np.array([image.shape[1], image.shape[0]]) + width + 2
+    edge = canvas.box.size + width + 2
     seen = ((every.max(axis=1) >= -width - 2) & (every.min(axis=1) <= edge)).all(axis=1)
-    pieces = every[seen]
-    if item.dash is not None:
-        length = np.hypot(*(every[:, 1] - every[:, 0]).T)
-        before = np.concatenate(([0.0], np.cumsum(length)[:-1]))  # dashes go on round corners
-        pieces = _dashes(pieces, before[seen], item.dash, edge)
-    draw_lines(image, fixed(pieces), item.colour, width)
+    length = np.hypot(*(every[:, 1] - every[:, 0]).T)
+    before = np.concatenate(([0.0], np.cumsum(length)[:-1]))  # dashes go on round corners
+    canvas.lines(_dashes(every[seen], before[seen], item.dash, edge), item.colour, width)
 
 
 def _dashes(
@@ -134,10 +124,10 @@ class Background:
                 view[y0:y1, x0:x1] = tile[y0 - y : y1 - y, x0 - x : x1 - x]
 
     def _drawn(self, column: int, row: int) -> Image:
-        drawn = np.empty((TILE + 2 * EDGE, TILE + 2 * EDGE, 3), np.uint8)
+        drawn = Canvas((TILE + 2 * EDGE, TILE + 2 * EDGE), palette.OUTSIDE)
         lens = Lens(self._scale, EDGE - column * TILE, EDGE - row * TILE)
         draw_ground(drawn, self._ground, lens)
-        return drawn[EDGE:-EDGE, EDGE:-EDGE].copy()
+        return drawn.pixels[EDGE:-EDGE, EDGE:-EDGE].copy()
 
 
 POINTS = 1500
@@ -167,43 +157,40 @@ class Whole:
 
     @cached_property
     def _still(self) -> Image:
-        image = np.empty((self._box.height, self._box.width, 3), np.uint8)
-        draw_ground(image, self._ground, self.lens, self._small)
-        return image
+        canvas = Canvas((self._box.width, self._box.height), palette.OUTSIDE)
+        draw_ground(canvas, self._ground, self.lens, self._small)
+        return canvas.pixels
 
-    def paint_small(self, image: Image, now: Moment, corners: FloatArray | None) -> None:
+    def paint_small(self, canvas: Canvas, now: Moment, corners: FloatArray | None) -> None:
         """Draw robots as dots, and what the view shows, two ``corners`` (2, 2) [m], as a box."""
-        image[:] = self._still
+        canvas.pixels[:] = self._still
         order = np.arange(len(now.pose))
         if len(order) > NAMED:  # those in danger are over the others
             dangerous = np.array([*(mode.danger for mode in self._timeline.scene.modes), False])
             order = np.argsort(dangerous[now.modes], kind="stable")
-        colours = np.array(now.colours, np.uint8)[order]
         places = self.lens.pixels(now.pose[order, :2])
-        _draw_dots(image, places, colours, 5 if len(order) <= NAMED else 2)
+        _draw_dots(canvas.pixels, places, now.colours[order], 5 if len(order) <= NAMED else 2)
         if corners is not None:
             (x0, y0), (x1, y1) = np.rint(self.lens.pixels(corners)).astype(int).tolist()
-            cv2.rectangle(image, (x0, y0), (x1, y1), palette.INK, 1)
-        cv2.rectangle(image, (0, 0), (image.shape[1] - 1, image.shape[0] - 1), palette.RULE, 1)
+            canvas.frame(x0, y1, x1, y0, palette.INK)
+        canvas.frame(0, 0, canvas.box.width - 1, canvas.box.height - 1, palette.RULE)
 
-    def paint_end(self, view: Image, now: Moment, fleet: Fleet) -> None:
+    def paint_end(self, view: Canvas, now: Moment, fleet: Fleet) -> None:
         """Draw the last moment, all that came before it, and notes; ``fleet`` are the robots."""
         timeline, lens, record = self._timeline, self.lens, self._timeline.record
-        view[:] = self._still
+        view.pixels[:] = self._still
         crowd = timeline.robots > NAMED
         rows = np.unique(np.linspace(0, len(record.pose) - 1, POINTS).astype(int))
         for robot, course in enumerate(record.pose[rows][:, :, :2].transpose(1, 0, 2)):
             colour = palette.BAND if crowd else palette.robot_colour(robot)
-            draw_lines(view, fixed(lens.pixels(course))[None], colour, 1 if crowd else 2)
-        contacts, vertices = timeline.contacts, lens.fixed(fleet.placed(now.pose))
-        touching = contacts.touching(now.time, len(now.pose)).tolist()
+            view.lines(lens.pixels(course)[None], colour, 1.0 if crowd else 3.0)
+        contacts, touching = timeline.contacts, timeline.contacts.touching(now.time, len(now.pose))
         if 2.0 * float(timeline.scene.reach.max()) * lens.scale >= TINY:
-            draw_robots(view, fleet.split(vertices), now.colours, touching)
+            draw_robots(view, fleet, lens, now.pose, now.colours, touching)
         else:
-            edges: list[Colour] = [palette.CONTACT if one else palette.INK for one in touching]
+            edges = np.where(touching[:, None], palette.CONTACT, palette.INK)
             for size, colours in ((7, edges), (5, now.colours)):
-                places = lens.pixels(now.pose[:, :2])
-                _draw_dots(view, places, np.array(colours, np.uint8), size)
+                _draw_dots(view.pixels, lens.pixels(now.pose[:, :2]), colours, size)
         if len(contacts.began):
             places = lens.pixels(contacts.places[contacts.first])
             for swept in (True, False):
@@ -211,32 +198,34 @@ class Whole:
             draw_contacts(view, places[np.isfinite(contacts.deep)], False, deep=True)
         span = f"{timeline.begin:.1f} to " if timeline.begin else ""
         title = f"the whole run, {span}{timeline.duration:.1f} s: where the robots went"
-        write_corner(view, [title, *notes(timeline)], grown(fleet.boxes(vertices), 3.0))
+        boxes = fleet.boxes(lens.pixels(fleet.placed(now.pose)))
+        write_corner(view, [title, *notes(timeline)], grown(boxes, 3.0))
 
 
-def _draw_dots(image: Image, places: FloatArray, colours: Image, size: int) -> None:
+def _draw_dots(image: Image, places: FloatArray, colours: ArrayLike, size: int) -> None:
     """Draw squares of so many pixels at places (N, 2) [px], later ones over earlier ones."""
     y, x = np.mgrid[:size, :size].reshape(2, -1) - size // 2
     high, wide = image.shape[:2]
     column, row = np.rint(places).astype(int).T[:, :, None]
-    image[(row + y).clip(0, high - 1), (column + x).clip(0, wide - 1)] = colours[:, None]
+    colours = np.asarray(colours)[:, None]
+    image[(row + y).clip(0, high - 1), (column + x).clip(0, wide - 1), :3] = colours
 
 
-def write_corner(view: Image, lines: Sequence[str], bodies: FloatArray) -> None:
+def write_corner(view: Canvas, lines: Sequence[str], bodies: FloatArray) -> None:
     """Write lines, the first one bold, at the side of a view where they cover the least.
 
     First of ``bodies``, boxes (N, 4) [px] of the robots they speak of, then of all that is drawn;
     in a corner where that covers no more.
     """
-    high, wide = view.shape[:2]
+    wide, high = view.size
     room = max(round(WIDEST * wide), min(wide - 2 * BORDER, LEAST))
     words = [
-        sprite(shorten(line, TEXT, room), TEXT, palette.INK, *(() if k == 0 else (NORMAL,)))
+        sprite(shorten(line, TEXT, room), TEXT, palette.INK, NORMAL if k else BOLD, halo=True)
         for k, line in enumerate(lines)
     ]
-    width, tall = max(size_of(word)[0] for word in words), LINE * len(words)
+    width, tall = max(word.size[0] for word in words), LINE * len(words)
     ends = BORDER, high - BORDER - tall
-    empty = (view == palette.OUTSIDE).all(axis=2)
+    empty = (view.pixels[..., :3] == palette.OUTSIDE).all(axis=2)
 
     def covered(place: tuple[int, int]) -> tuple[float, int, bool]:
         left, top = place
@@ -249,7 +238,7 @@ def write_corner(view: Image, lines: Sequence[str], bodies: FloatArray) -> None:
     tops = *ends, *range(BORDER, max(ends), LINE)
     left, top = min(((x, y) for y in tops for x in sides), key=covered)
     for k, word in enumerate(words):
-        stamp(view, word, left, top + k * LINE)
+        view.stamp(word, left, top + k * LINE)
 
 
 def notes(timeline: Timeline) -> list[str]:

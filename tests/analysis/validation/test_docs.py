@@ -18,7 +18,7 @@ def test_the_example_is_what_the_command_prints(
 ) -> None:
     """All but the versions that made it, and the digest, which goes with them."""
     page = (ROOT / "docs/explanation/validation.md").read_text()
-    command = r"`physim (run .*)`, then\n`physim (validate .*)`:\n\n"
+    command = r"physim (run .*?)  .*\nphysim (validate .*?)  .*\n```\n\n"
     found = re.search(command + r"```text\n(.*?)```", page, re.S)
     assert found
     monkeypatch.chdir(tmp_path)
@@ -26,7 +26,7 @@ def test_the_example_is_what_the_command_prints(
     said = physim(*found[2].split(), capture=capsys).out
     lines = [
         [
-            re.sub("[0-9a-f]{64}", "DIGEST", line)
+            re.sub("[0-9a-f]{64}|[0-9a-f]{8}…", "DIGEST", line)
             for line in text.splitlines()
             if not line.startswith("  made by ")
         ]

@@ -214,7 +214,7 @@ def test_no_engine_record_or_video_is_loaded(tmp_path: Path) -> None:
     script = (
         "import sys; from physim.cli import main\n"
         f"main(['preview', 'ten_robots', '-o', {str(tmp_path / 'a.png')!r}])\n"
-        "heavy = 'pymunk', 'h5py', 'cv2', 'av', 'scipy'\n"
+        "heavy = 'pymunk', 'h5py', 'imageio_ffmpeg', 'scipy'\n"
         "print([module for module in heavy if module in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)

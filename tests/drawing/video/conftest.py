@@ -1,11 +1,11 @@
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import cv2
 import numpy as np
 import pytest
 import yaml
@@ -14,7 +14,8 @@ from tests.helpers import inside
 from tests.helpers.records import make_record
 
 followed = inside("physim.record", "followed")
-sprite = inside("physim.drawing.video", "sprite")
+ROOM = "physim.drawing.video"
+sprite = inside(ROOM, "sprite")
 
 FIELDS = (
     "time dt steps pose samples clearance boundary_clearance updates contacts bodies names "
@@ -72,12 +73,12 @@ def changed() -> Callable[..., Any]:
 def written(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """All that is written into pictures from now on."""
     words: list[str] = []
-    put = cv2.putText
 
-    def noted(image: Any, text: str, *more: Any, **named: Any) -> Any:
+    def noted(text: str, *more: Any, **named: Any) -> Any:
         words.append(text)
-        return put(image, text, *more, **named)
+        return sprite(text, *more, **named)
 
-    monkeypatch.setattr(cv2, "putText", noted)
-    sprite.cache_clear()  # drawn once and kept
+    for module in [one for name, one in sys.modules.items() if name.startswith(ROOM)]:
+        if getattr(module, "sprite", None) is sprite:
+            monkeypatch.setattr(module, "sprite", noted)
     return words

@@ -21,6 +21,7 @@ from tests.drawing.video.looking import HEIGHT, WIDTH, pixels
 from tests.helpers import facts, inside, said
 
 Timeline, rgb = inside("physim.drawing", "Timeline", "rgb")
+Canvas = inside("physim.drawing.video", "Canvas")
 BARS, Box, FOOTER, HEADER = inside("physim.drawing.video", "BARS", "Box", "FOOTER", "HEADER")
 View, ground = inside("physim.drawing.video", "View", "ground")
 render, titles = inside("physim.drawing.video", "render", "titles")
@@ -55,10 +56,10 @@ def test_either_half_is_the_view_of_its_own_run(free: Record, blocked: Record) -
     assert image.shape == (HEIGHT, WIDTH, 3)
     half = (WIDTH - 3) // 2
     for record, left in ((free, 0), (blocked, WIDTH - half)):
-        box, alone = Box(left, HEADER, half, VIEWS.stop - HEADER), np.zeros_like(image)
+        box, alone = Box(left, HEADER, half, VIEWS.stop - HEADER), Canvas((WIDTH, HEIGHT))
         timeline = Timeline(record)
-        View(timeline, ground(timeline), box, 1.0, 25.0).paint(alone, timeline.at(0.8))
-        assert np.array_equal(box.of(image), box.of(alone))
+        View(timeline, ground(timeline), box, 1.0, 25.0).paint(alone.part(box), timeline.at(0.8))
+        assert np.array_equal(box.of(image), box.of(alone.pixels)[..., :3])
 
 
 def test_the_header_tells_the_contacts_of_its_run(free: Record, blocked: Record) -> None:

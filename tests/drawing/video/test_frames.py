@@ -99,7 +99,7 @@ def test_robots_that_give_no_modes_have_their_own_colours(made: Made, changed: C
         updates["mode"] = NO_NUMBER
         timeline = Timeline(changed(made(robots), updates=updates))
         expected = timeline.scene.colours if robots == 3 else [palette.BAND] * robots
-        assert list(timeline.at(2.0).colours) == list(expected)
+        assert timeline.at(2.0).colours.tolist() == [list(colour) for colour in expected]
         assert NO_MODES in signs(timeline, ground(timeline))
     assert NO_MODES not in signs(Timeline(made(3)), ground(Timeline(made(3))))
 

@@ -73,7 +73,7 @@ def test_files_named_as_libraries_beside_a_controller(tmp_path):
         "from physim import Decision\n\nclass C:\n    def decide(self, observation, memory):\n"
         "        return Decision(v=0.5, omega=0.0, hold=0.1)\n"
     )
-    for name in ("av", "cma", "argparse", "random", "heapq", "shapely", "controllers"):
+    for name in ("imageio_ffmpeg", "cma", "argparse", "random", "heapq", "shapely", "controllers"):
         (tmp_path / f"{name}.py").write_text("raise SystemError('of the user')\n")
     for arguments in (
         ("run", "three_robots", "--quiet", "-o", "out"),

@@ -3,7 +3,7 @@
 python -m benchmarks.gallery [WORLD ...]
 
 Runs the worlds and writes docs/gallery/WORLD.webp and WORLD.mp4, of ten_robots also
-media/ten_robots.png and .mp4; all of it in some eight minutes of processor time. What ``physim
+media/ten_robots.png and .mp4; all of it in some five minutes of processor time. What ``physim
 video`` writes is coded once more, and smaller, as it is kept with the sources. Worlds that show
 avoidance are seen beside themselves without it. Exit codes: 0 made, 1 a command failed, 2 no such
 world.

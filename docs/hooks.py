@@ -281,7 +281,8 @@ def card(name: str, words: str, of: dict[str, Any]) -> str:
             f"Avoidance makes {acts:.2g} % of the decisions." if acts else "Avoidance never acts."
         ]
         if near is not None:
-            told += [f"Robots come as near as {near:.2f} m (median; least {least:.2f} m)."]
+            spread = f" (median; least {least:.2f} m)" if of["seeds"] > 1 else ""
+            told += [f"Robots come as near as {near:.2f} m{spread}."]
     if depth := 1e3 * of["without"]["deepest_contact"]:
         without = "Without it contacts" if "with" in of else "Contacts"
         told += [

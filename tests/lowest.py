@@ -1,7 +1,7 @@
 """Try the oldest libraries that pyproject.toml admits: ``python -m tests.lowest FOLDER``.
 
 Makes a new environment in FOLDER (which must not be there yet) with every dependency, and those of
-`physim[import]`, at its lower bound, all from a package registry, and uses each command once.
+`physim[import,study]`, at its lower bound, all from a package registry, and uses each command once.
 Exit code 1 where one fails.
 """
 
@@ -15,6 +15,7 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+EXTRAS = ("import", "study")
 COMMANDS = (
     "check s_bend",
     "preview merging -o preview.png",
@@ -24,7 +25,7 @@ COMMANDS = (
     "plot run/record.h5 -o plots",
     "page run/record.h5 -o page.html",
     "video run/record.h5 -o slide.gif --from 1 --to 2",
-    "sweep random_road --seeds 1:3 --set time.duration=5 -o sweep",
+    "sweep random_road --seeds 1:3 --set time.duration=5 --parquet -o sweep",
     "report sweep",
     "sweep random_road --seeds 1:3 --controller mode_switching,path_following "
     "--set time.duration=5 -o compared",
@@ -36,9 +37,11 @@ COMMANDS = (
 
 
 def lowest(project: Path = ROOT / "pyproject.toml") -> list[str]:
-    """``NAME==VERSION`` for the lower bound of every dependency, those of ``import`` too."""
+    """``NAME==VERSION`` for the lower bound of every dependency, those of `EXTRAS` too."""
     told = tomllib.loads(project.read_text())["project"]
-    wanted = [*told["dependencies"], *told["optional-dependencies"]["import"]]
+    wanted = list(told["dependencies"])
+    for extra in EXTRAS:
+        wanted += told["optional-dependencies"][extra]
     found = [re.match(r"([\w.-]+)>=([\w.]+)", one) for one in wanted]
     return [f"{one[1]}=={one[2]}" for one in found if one]
 
@@ -52,7 +55,7 @@ def main() -> int:
     made = folder / "env"
     subprocess.run([sys.executable, "-m", "venv", made], check=True)
     pip = [made / "bin" / "python", "-m", "pip", "install", "--quiet"]
-    subprocess.run([*pip, f"{ROOT}[import]", *lowest()], check=True, cwd=folder)
+    subprocess.run([*pip, f"{ROOT}[{','.join(EXTRAS)}]", *lowest()], check=True, cwd=folder)
     failed = 0
     for command in COMMANDS:
         words = command.format(samples=ROOT / "tests/authoring/importing/samples").split()

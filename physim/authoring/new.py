@@ -4,6 +4,7 @@ seed draws it, and a project, which is a folder to work in.
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import textwrap
@@ -143,62 +144,111 @@ def drawn_text(name: str, like: str, seed: int) -> str:
     return "\n".join(lines) + "\n" + plain.to_yaml()
 
 
-EXAMPLE = '''\
-"""A controller to begin with: it is given a physim.Observation and returns a Decision."""
+CORRIDOR = """\
+# yaml-language-server: $schema={schema}
+# Four robots drive two abreast through a corridor that bends and narrows. The seed decides where
+# each of them starts and which way it faces.
+# Lengths are in metres [m], times in seconds [s], angles in radians [rad]; x points right, y up.
+name: {name}
+description: Four robots drive two abreast through a corridor that bends and narrows.
+seed: 1  # another seed, other starts
+time: {{step: 0.01, duration: 60.0}}  # [s] of one step of the physics, and of the longest run
+corridor:
+  # [m] points along the middle of the corridor, and how wide it is at each of them
+  centreline: [[0.0, 0.0], [14.0, 0.0], [20.0, 2.0], [26.0, 6.0], [32.0, 8.0], [46.0, 8.0]]
+  width: [6.0, 6.0, 5.0, 4.0, 5.0, 6.0]
+start:
+  region: [[1.0, -2.8], [11.0, -2.8], [11.0, 2.8], [1.0, 2.8]]  # [m] corners of where they start
+  heading: random  # or along: all face the way they go
+  abreast: 2  # r1 and r2 start in front, r3 and r4 behind them
+robots:
+  # footprint: a rectangle, or any polygon with x forward [m]
+  # path: parallel to the middle of the corridor, 1 m to its left (1.0) or right (-1.0)
+  - {{name: r1, footprint: {{length: 1.6, width: 0.9}}, path: {{offset: 1.0}}}}
+  - {{name: r2, footprint: {{length: 1.6, width: 0.9}}, path: {{offset: -1.0}}}}
+  - {{name: r3, footprint: [[0.9, 0.0], [-0.7, 0.5], [-0.7, -0.5]], path: {{offset: 1.0}}}}
+  - {{name: r4, footprint: {{length: 1.2, width: 1.0}}, path: {{offset: -1.0}}}}
+formation:
+  speed: 1.0  # [m/s] of the group
+  spacing: [0.0, -1.5, -4.0, -5.5]  # [m] how far each robot stays behind r1
+controller: {{type: mode_switching}}  # the paper's; physim list names the others
+expect: {{contacts: 0, finished: true}}  # a run that misses this exits with code 1
+"""
 
-from math import atan2, hypot, pi
+EXAMPLE = '''\
+"""An example of a controller, to be changed."""
+
+from math import atan2, cos, pi, sin
 
 from physim import Decision, Mode
 
 
-class Cautious:
-    """Steer to a point 2 m ahead; wait while a robot further along is within 2.2 m."""
+class Mine:
+    """Drives to a point 2 m ahead on its path; waits while another robot is in front of it."""
 
-    # name, colour, words; summary, plots and video show them
     modes = (
-        Mode("go", "#0072b2", "on its way"),
-        Mode("wait", "#e69f00", "waits for another", danger=True),
-        Mode("there", "#009e73", "at its stop station"),
+        Mode("go", "#0072b2", "drives along its path"),
+        Mode("wait", "#e69f00", "waits for a robot in front", danger=True),
+        Mode("there", "#009e73", "has arrived"),
     )
 
     def decide(self, observation, memory):
         o = observation
-        if o.station >= o.stop_station - 0.05:  # [m]
-            return Decision(v=0.0, omega=0.0, hold=0.1, mode="there")
         x, y, heading = o.pose  # [m, m, rad]
-        tx, ty = o.path.target(o.station, 2.0)  # [m]
-        error = (atan2(ty - y, tx - x) - heading + pi) % (2 * pi) - pi
-        omega = max(-o.limits[1], min(o.limits[1], 2.0 * error))  # [rad/s]
-        ahead = [s for s in o.others if s.station > o.reference_station]
-        near = any(hypot(s.pose[0] - x, s.pose[1] - y) < 2.2 for s in ahead)
-        v, mode = (0.0, "wait") if near else (min(0.8, o.limits[0]), "go")
-        return Decision(v=v, omega=omega, hold=0.1, mode=mode)  # [m/s], [rad/s], [s]
+        tx, ty = o.path.target(o.station, 2.0)  # [m] the point to drive to
+        error = (atan2(ty - y, tx - x) - heading + pi) % (2 * pi) - pi  # [rad]
+        v, omega, mode = min(1.0, o.limits[0]), 2.0 * error, "go"  # [m/s], [rad/s]
+        for other in o.others:
+            dx, dy = other.pose[0] - x, other.pose[1] - y
+            ahead = dx * cos(heading) + dy * sin(heading)  # [m]
+            beside = dy * cos(heading) - dx * sin(heading)  # [m] to the left
+            if 0.0 < ahead < 2.5 and abs(beside) < 1.2:
+                v, mode = 0.0, "wait"
+        if o.station >= o.stop_station - 0.05:  # [m]
+            v, omega, mode = 0.0, 0.0, "there"
+        omega = max(-o.limits[1], min(o.limits[1], omega))
+        return Decision(v=v, omega=omega, hold=0.1, mode=mode)  # asks again after 0.1 s
 '''
 
 README = """\
 # {title}
 
-`worlds/` holds the worlds, `controllers/` controllers of your own, `media/` what is worth keeping.
-Runs go to `runs/`. In this folder:
+`worlds/` holds worlds, `controllers/` holds controllers. Look at the world first, then run it with
+the controller in `controllers/mine.py`:
 
 ```sh
-physim preview worlds/{stem}.yaml -o media/{stem}.png
-physim run worlds/{stem}.yaml -o runs/{stem}
-physim run worlds/{stem}.yaml -o runs/cautious --controller controllers.cautious:Cautious
+physim check worlds/{stem}.yaml
+physim preview worlds/{stem}.yaml
+physim run worlds/{stem}.yaml --controller controllers.mine:Mine --page -o runs/mine
 ```
 
-The first draws the world, the second runs it with its own controller and writes record, video and
-summary, the third runs it with the one in `controllers/cautious.py`. An editor that knows YAML
-schemas completes the keys of a world and shows what they mean.
+- `check`: is the world sound? It lists every fault with its line, then tries the world once.
+- `preview`: what does the world look like? It draws `{stem}.png`.
+- `run`: what does the controller do? Watch `runs/mine/video.mp4`, or open `runs/mine/page.html`
+  in a browser and click on a robot to see why it acts as it does.
+
+One run says little. Run it from 20 starts, and the paper's controller from the same starts:
+
+```sh
+physim sweep worlds/{stem}.yaml --seeds 1:21 -o sweeps/first \\
+  --controller mode_switching,controllers.mine:Mine
+physim report sweeps/first --controller controllers.mine:Mine
+physim compare sweeps/first --by controller
+```
+
+- `sweep`: what happens from each start? It writes a row per run and names the runs to look at.
+- `report`: how often does a robot touch something, or not arrive? It prints rates with intervals
+  and writes `sweeps/first/report.html`, with pictures of the worst runs.
+- `compare`: is one controller better? It compares them start by start. Where it says "no
+  difference shown", 20 starts are too few to tell: the same sweep with `--seeds 1:101` adds 80.
+
+Now change `controllers/mine.py`, and sweep again with `-o sweeps/second`.
 """
 
-MEDIA = """\
-# Media
 
-| file | made by |
-|---|---|
-| `{stem}.png` | `physim preview worlds/{stem}.yaml -o media/{stem}.png` |
-"""
+def corridor_text(name: str) -> str:
+    """Text of a world called ``name`` for a project: a corridor, and starts that the seed draws."""
+    return CORRIDOR.format(schema=FILE, name=json.dumps(name, ensure_ascii=False))
 
 
 def new_project(title: str, stem: str, world: str, schema: str) -> dict[str, str]:
@@ -212,6 +262,5 @@ def new_project(title: str, stem: str, world: str, schema: str) -> dict[str, str
         f"worlds/{stem}.yaml": world,
         "worlds/world.schema.json": schema,
         "controllers/__init__.py": "",
-        "controllers/cautious.py": EXAMPLE,
-        "media/README.md": MEDIA.format(stem=stem),
+        "controllers/mine.py": EXAMPLE,
     }

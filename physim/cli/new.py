@@ -84,7 +84,7 @@ def schema(
 
 def new(
     name: str | None = None, /, *,
-    like: str = "straight",
+    like: str | None = None,
     robots: Whole | None = None,
     seed: Whole | None = None,
     output: Output | None = None,
@@ -95,14 +95,15 @@ def new(
     world.schema.json, by which editors complete keys and show what they mean.
 
     arguments:
-      [NAME]  name of the world, and of its file
+      [NAME]  name of the world, and of its file (of a project: that of its folder)
 
     options:
-      --like WORLD  which world to begin with (straight)
+      --like WORLD  which world to begin with (straight; of a project a corridor)
       --robots N  how many, where that world has one group
       --seed N  of a world with corridor.random: its road written out as this seed draws it
       -o, --output FILE  file to write (default: NAME.yaml)
-      --project DIR  make a folder with worlds/, controllers/ with an example, media/ and a README
+      --project DIR  make a folder with worlds/, controllers/ with an example, and a README, which
+          goes from the first run to a comparison of two controllers
       --force  overwrite existing files
 
     worlds to begin with, among others:
@@ -119,11 +120,11 @@ def new(
     examples:
       physim new my_corridor
       physim new my_fleet --like hundred_robots --robots 20
-      physim new --project my_study --like warehouse
+      physim new --project my_study
       physim new my_road --like random_road --seed 7
                                                  the road that this seed draws, as a plain world
     """
-    from physim.authoring.new import drawn_text, new_project, new_text
+    from physim.authoring.new import corridor_text, drawn_text, new_project, new_text
     from physim.world.file.schema import schema_text
 
     if robots is not None and seed is not None:
@@ -132,31 +133,31 @@ def new(
         raise PhysimError("--project: names a folder, and -o a file; give one of them")
     if name is None and output is None and project is None:
         raise PhysimError("physim new: NAME is missing, as in physim new my_corridor")
-    title, stem = _named(name if name is not None else (output or Path(like)).name)
+    is_usual = project is not None and like is None and robots is None and seed is None
+    like = like or "straight"
+    place = Path(like) if project is None else Path(os.path.abspath(project))
+    title, stem = _named(name if name is not None else (output or place).name)
     file = output or Path(f"{stem}.yaml")
     if project is None:
         check_files(file, force, *inputs(like))
-    text = new_text(title, like, robots) if seed is None else drawn_text(title, like, seed)
+    if is_usual:
+        text = corridor_text(title)
+    else:
+        text = new_text(title, like, robots) if seed is None else drawn_text(title, like, seed)
     if project is None:
         written = write_schema(file, force)  # first: without the world nothing is new
         write_text(file, text)
         print(written)
         return 0
-    called = Path(os.path.abspath(project)).name or title
-    if not called.isprintable():
-        raise PhysimError(
-            f"--project {quoted(str(project))}: has signs that cannot be shown; use letters and "
-            "digits, as in my_study"
-        )
-    files = new_project(called, stem, text, schema_text())
-    made = [project / place for place in files]
+    files = new_project(title, stem, text, schema_text())
+    made = [project / one for one in files]
     Target(project, force, option="--project").folder(made, empty=True)
     with writing(project):
-        for place, content in files.items():
-            (project / place).parent.mkdir(parents=True, exist_ok=True)
-            write_text(project / place, content)
+        for path, content in zip(made, files.values(), strict=True):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_text(path, content)
     print(f"written to {project}/: {', '.join(files)}")
-    print(f"next: cd {shlex.quote(str(project))}, and the three commands of its README.md")
+    print(f"next: cd {shlex.quote(str(project))}, and the commands of its README.md")
     return 0
 
 

@@ -41,7 +41,7 @@ def run(text: str, folder: Path, **more: str) -> subprocess.CompletedProcess[str
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder in which every command of both pages was run, and its output compared."""
+    """A folder in which every command of these pages was run, and its output compared."""
     base = tmp_path_factory.mktemp("extending")
     install(base / "installed")
     here = base / "work"

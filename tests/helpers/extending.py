@@ -1,4 +1,4 @@
-"""The parts in docs/how-to/controller.md and extend.md, installed as a stranger's distribution."""
+"""The parts of your own in the how-to pages, installed as a stranger's distribution."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 HOW_TO = Path(__file__).parents[2] / "docs/how-to"
-PAGES = (HOW_TO / "controller.md", HOW_TO / "extend.md")
+INSTALLED = (HOW_TO / "stages.md", HOW_TO / "measure.md")
+"""Pages whose commands need the parts to be installed"""
+PAGES = (HOW_TO / "controller.md", HOW_TO / "all-robots.md", HOW_TO / "extend.md", *INSTALLED)
 
 
 class Block(NamedTuple):
@@ -21,7 +23,7 @@ class Block(NamedTuple):
 
 
 def blocks() -> list[Block]:
-    """Every fenced block of both pages, in order."""
+    """Every fenced block of these pages, in order."""
     pattern = r"^```(\w+)(?: title=\"([^\"]+)\")?\n(.*?)^```$"
     return [
         Block(page.name, match[1], match[2], match[3])

@@ -1,6 +1,6 @@
 """Stages and observers from outside, found by entry point: what they may do, and what they may not.
 
-The parts are the examples of docs/how-to/extend.md, installed for these tests alone.
+The parts are the examples of docs/how-to, installed for these tests alone.
 """
 
 from __future__ import annotations

@@ -150,8 +150,8 @@ def main() -> int:
     rates, wrong = {}, []
     try:
         for name in names:
-            seeds = options.seeds or (0, known.get(name, {"seeds": SEEDS})["seeds"])
-            rates[name] = measured(name, range(*seeds), options.jobs)
+            seeds = options.seeds or range(known.get(name, {"seeds": SEEDS})["seeds"])
+            rates[name] = measured(name, seeds, options.jobs)
             print(json.dumps({name: rates[name]}), flush=True)
             if options.write:
                 known[name] = rates[name]

@@ -3,7 +3,7 @@
 python -m benchmarks.gallery [WORLD ...]
 
 Runs the worlds and writes docs/gallery/WORLD.webp and WORLD.mp4, of ten_robots also
-media/ten_robots.png and .mp4; all of it in some eight minutes of processor time. What ``physim
+media/ten_robots.png and .mp4; all of it in some five minutes of processor time. What ``physim
 video`` writes is coded once more, and smaller, as it is kept with the sources. Worlds that show
 avoidance are seen beside themselves without it. Exit codes: 0 made, 1 a command failed, 2 no such
 world.
@@ -32,7 +32,7 @@ FPS = 15
 SIZE, SIZE_OF_BOTH = 180_000, 250_000
 """[bytes] of a film, at most; all of the gallery together takes 4 MB"""
 MEDIA_SIZE = 1_500_000
-FACTORS = range(28, 42, 2)
+FACTORS = range(30, 42, 2)
 """Constant rate factors of H.264 to try; the first one that makes a film small enough is taken."""
 
 

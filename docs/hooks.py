@@ -261,7 +261,7 @@ def card(name: str, words: str, of: dict[str, Any]) -> str:
     """One world of the gallery."""
     null = verdict(of) == VERDICTS[0]
     without = f"\nphysim run {name} --set controller.avoidance=none -o without" if null else ""
-    arms = {"with": "with avoidance", "without": "without"}
+    arms = {"with": "with avoidance", "without": "without avoidance"}
     arms = {arm: title for arm, title in arms.items() if arm in of}
     text = (
         f"### {name} {{ #{name} }}\n\n"
@@ -276,19 +276,20 @@ def card(name: str, words: str, of: dict[str, Any]) -> str:
     told = []
     if "with" in of:
         acts = 100.0 * (of["with"]["by_distance"] + of["with"]["by_time"])
+        near, least = of["with"]["shortest_distance"], of["with"]["least_distance"]
         told += [
-            f"Avoidance makes {acts:.2g} % of the decisions" if acts else "Avoidance never acts"
+            f"Avoidance makes {acts:.2g} % of the decisions." if acts else "Avoidance never acts."
         ]
-        if of["with"]["shortest_distance"] is not None:
-            near, least = of["with"]["shortest_distance"], of["with"]["least_distance"]
-            told += [f"robots come as near as {near:.2f} m (median; least {least:.2f} m)"]
-    if depth := of["without"]["deepest_contact"]:
-        lasts = of["without"]["time_in_contact"]
+        if near is not None:
+            spread = f" (median; least {least:.2f} m)" if of["seeds"] > 1 else ""
+            told += [f"Robots come as near as {near:.2f} m{spread}."]
+    if depth := 1e3 * of["without"]["deepest_contact"]:
+        without = "Without it contacts" if "with" in of else "Contacts"
         told += [
-            f"without it contacts are up to {1e3 * depth:.1f} mm deep, "
-            f"and runs that have any spend {lasts:.1f} s in contact (median)"
+            f"{without} are up to {depth:.1f} mm deep; runs that have any spend "
+            f"{of['without']['time_in_contact']:.1f} s in contact (median)."
         ]
-    return f"{text}\n{'; '.join(told).replace('-', '−')}.\n"
+    return f"{text}\n{' '.join(told).replace('-', '−')}\n"
 
 
 def verdict(of: dict[str, Any]) -> str:

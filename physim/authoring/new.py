@@ -176,14 +176,14 @@ expect: {{contacts: 0, finished: true}}  # a run that misses this exits with cod
 """
 
 EXAMPLE = '''\
-"""An example controller: change it, or write your own beside it."""
+"""An example of a controller, to be changed."""
 
 from math import atan2, cos, pi, sin
 
 from physim import Decision, Mode
 
 
-class Cautious:
+class Mine:
     """Drives to a point 2 m ahead on its path; waits while another robot is in front of it."""
 
     modes = (
@@ -214,25 +214,25 @@ README = """\
 # {title}
 
 `worlds/` holds worlds, `controllers/` holds controllers. Look at the world first, then run it with
-the controller in `controllers/cautious.py`:
+the controller in `controllers/mine.py`:
 
 ```sh
 physim check worlds/{stem}.yaml
 physim preview worlds/{stem}.yaml
-physim run worlds/{stem}.yaml --controller controllers.cautious:Cautious --page -o runs/cautious
+physim run worlds/{stem}.yaml --controller controllers.mine:Mine --page -o runs/mine
 ```
 
 - `check`: is the world sound? It lists every fault with its line, then tries the world once.
 - `preview`: what does the world look like? It draws `{stem}.png`.
-- `run`: what does the controller do? Watch `runs/cautious/video.mp4`, or open
-  `runs/cautious/page.html` in a browser and click on a robot to see why it acts as it does.
+- `run`: what does the controller do? Watch `runs/mine/video.mp4`, or open `runs/mine/page.html`
+  in a browser and click on a robot to see why it acts as it does.
 
 One run says little. Run it from 20 starts, and the paper's controller from the same starts:
 
 ```sh
 physim sweep worlds/{stem}.yaml --seeds 1:21 -o sweeps/first \\
-  --controller mode_switching,controllers.cautious:Cautious
-physim report sweeps/first --controller controllers.cautious:Cautious
+  --controller mode_switching,controllers.mine:Mine
+physim report sweeps/first --controller controllers.mine:Mine
 physim compare sweeps/first --by controller
 ```
 
@@ -242,7 +242,7 @@ physim compare sweeps/first --by controller
 - `compare`: is one controller better? It compares them start by start. Where it says "no
   difference shown", 20 starts are too few to tell: the same sweep with `--seeds 1:101` adds 80.
 
-Now change `controllers/cautious.py`, and sweep again with `-o sweeps/second`.
+Now change `controllers/mine.py`, and sweep again with `-o sweeps/second`.
 """
 
 
@@ -262,5 +262,5 @@ def new_project(title: str, stem: str, world: str, schema: str) -> dict[str, str
         f"worlds/{stem}.yaml": world,
         "worlds/world.schema.json": schema,
         "controllers/__init__.py": "",
-        "controllers/cautious.py": EXAMPLE,
+        "controllers/mine.py": EXAMPLE,
     }

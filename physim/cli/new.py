@@ -95,7 +95,7 @@ def new(
     world.schema.json, by which editors complete keys and show what they mean.
 
     arguments:
-      [NAME]  name of the world, and of its file
+      [NAME]  name of the world, and of its file (of a project: that of its folder)
 
     options:
       --like WORLD  which world to begin with (straight; of a project a corridor)
@@ -135,8 +135,8 @@ def new(
         raise PhysimError("physim new: NAME is missing, as in physim new my_corridor")
     is_usual = project is not None and like is None and robots is None and seed is None
     like = like or "straight"
-    usual = "corridor" if is_usual else like
-    title, stem = _named(name if name is not None else (output or Path(usual)).name)
+    place = Path(like) if project is None else Path(os.path.abspath(project))
+    title, stem = _named(name if name is not None else (output or place).name)
     file = output or Path(f"{stem}.yaml")
     if project is None:
         check_files(file, force, *inputs(like))
@@ -149,19 +149,13 @@ def new(
         write_text(file, text)
         print(written)
         return 0
-    called = Path(os.path.abspath(project)).name or title
-    if not called.isprintable():
-        raise PhysimError(
-            f"--project {quoted(str(project))}: has signs that cannot be shown; use letters and "
-            "digits, as in my_study"
-        )
-    files = new_project(called, stem, text, schema_text())
-    made = [project / place for place in files]
+    files = new_project(title, stem, text, schema_text())
+    made = [project / one for one in files]
     Target(project, force, option="--project").folder(made, empty=True)
     with writing(project):
-        for place, content in files.items():
-            (project / place).parent.mkdir(parents=True, exist_ok=True)
-            write_text(project / place, content)
+        for path, content in zip(made, files.values(), strict=True):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_text(path, content)
     print(f"written to {project}/: {', '.join(files)}")
     print(f"next: cd {shlex.quote(str(project))}, and the commands of its README.md")
     return 0

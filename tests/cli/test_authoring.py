@@ -106,13 +106,13 @@ def test_rates_say_what_they_are_drawn_over_or_that_nothing_is_random(here: Path
 def test_force_writes_over_the_files_of_a_project_alone(here: Path, capsys) -> None:
     assert physim("new", "--project", "p", capture=capsys).code == 0
     (here / "p" / "notes.txt").write_text("mine")
-    (here / "p" / "controllers" / "cautious.py").write_text("changed")
+    (here / "p" / "controllers" / "mine.py").write_text("changed")
     assert physim("new", "--project", "p", capture=capsys).code == 2
     assert physim("new", 'a "b": [c] #1', "--project", "p", "--force", capture=capsys).code == 0
     assert load_world(here / "p/worlds/a_b_c_1.yaml").name == 'a "b": [c] #1'
     files = tree(here / "p")
     assert files["notes.txt"] == b"mine"
-    assert b"class Cautious" in files["controllers/cautious.py"]
+    assert b"class Mine" in files["controllers/mine.py"]
 
 
 @pytest.mark.deep
@@ -132,11 +132,11 @@ def test_the_commands_of_a_projects_readme_run(tmp_path: Path) -> None:
         done = shell(*command, folder=project)
         assert done.code == 0, done.out + done.err
     assert re.search("no difference shown|is better in", done.out)
-    assert re.search(facts("mode_switching", "controllers.cautious:Cautious", "20 seeds"), done.out)
+    assert re.search(facts("mode_switching", "controllers.mine:Mine", "20 seeds"), done.out)
     made = {name for name in set(tree(project)) - before if "__pycache__" not in name}
-    assert {"corridor.png", "runs/cautious/page.html", "sweeps/first/report.html"} <= made
-    with Record.load(project / "runs/cautious/record.h5") as record:
-        assert "controllers.cautious:Cautious" in record.world_text
+    assert {"my_study.png", "runs/mine/page.html", "sweeps/first/report.html"} <= made
+    with Record.load(project / "runs/mine/record.h5") as record:
+        assert "controllers.mine:Mine" in record.world_text
 
 
 def test_a_run_on_a_drawn_road_can_be_simulated_again_from_its_record(here: Path, capsys) -> None:

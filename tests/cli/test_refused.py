@@ -272,7 +272,7 @@ OUTPUTS: Table = {
     ("new", "--project", "full"): ("full:", "not empty", "--force"),
     ("new", "--project", "taken.yaml"): ("taken.yaml:", "is a file", "--project", "a folder"),
     ("new", "--project", "taken.yaml/x"): ("taken.yaml/x", "Not a directory"),
-    ("new", "--project", "a\x1bb"): ("", r"a\u001bb", "cannot be shown", "my_study"),
+    ("new", "--project", "a\x1bb"): (r"a\u001bb:", "cannot name a world", "letters and digits"),
     ("new", "--project", "a\nb"): ("", r"a\u000ab", "in one line"),
     ("new", "--project", "full/loop"): ("full/loop",),
     ("new", "a/b", "--project", "new"): ("a/b:", "takes a path"),

@@ -50,7 +50,7 @@ def test_worlds_stand_where_their_rates_put_them(hooks: SimpleNamespace) -> None
 def test_every_number_is_of_the_rates(
     hooks: SimpleNamespace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    by_hand = re.sub(r"`[^`]*`|\]\([^)]*\)|95 % interval", "", PAGE)
+    by_hand = re.sub(r"`[^`]*`|\]\([^)]*\)|95&nbsp;% interval", "", PAGE)
     assert re.findall(r"\d", by_hand) == []
     other = {"contact_free": 61, "finished": 62, "by_distance": 0.0312, "by_time": 0.041}
     other |= {"shortest_distance": 0.63, "least_distance": -0.64}
@@ -75,5 +75,5 @@ def test_every_number_is_of_the_rates(
 
 def test_a_world_without_avoidance_has_one_arm(hooks: SimpleNamespace) -> None:
     card = hooks.gallery("jam")
-    assert "with avoidance" not in card
+    assert "| with avoidance |" not in card
     assert re.search(r"contact-free \| 0 of \d+<br>", card)

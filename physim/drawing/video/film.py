@@ -215,7 +215,7 @@ class VideoFile(Film):
         # in a session of its own: a Ctrl-C in the terminal must not end it before its time
         self._encoder = subprocess.Popen(
             [*command, f"file:{self._part}"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
-            stderr=self._errors, start_new_session=True,
+            stderr=self._errors, start_new_session=True, pipesize=1 << 18,
         )  # fmt: skip
 
     def write(self, frame: Image) -> None:

@@ -87,11 +87,12 @@ def sprite(
             place = whole[:, round(x) : round(x) + part.shape[1]]
             np.maximum(place, part[:, : place.shape[1]], out=place)
         x += piece.advance
-    tint = _shades(colour)[cover]
+    tint = _shades(colour).take(cover, axis=0)
     tint += 0.5  # to round where the sum is cut to a whole number
     if not halo:
-        return Sprite(tint, CLEAR[cover])
-    return Sprite(tint + _shades(palette.WHITE)[around - cover], CLEAR[around])
+        return Sprite(tint, CLEAR.take(cover, axis=0))
+    tint += _shades(palette.WHITE).take(around - cover, axis=0)
+    return Sprite(tint, CLEAR.take(around, axis=0))
 
 
 class Piece(NamedTuple):

@@ -212,8 +212,8 @@ def read_goal(text: str) -> Goal:
         if 0.0 <= number <= 1.0 if sign else 0.0 < number < 1.0:
             return Goal(rate or "rate", sign or "", number)
     raise ValueError(
-        'a width above 0 and below 1, as 0.02 or 2%, or RATE < or > NUMBER, as "rate > 0.99", '
-        f'RATE one of {", ".join(RATES)}; given: "{text[:40]}"'
+        "a width above 0 and below 1, such as 0.02 or 2%, or a bound from 0 to 1 on one of "
+        f'{", ".join(RATES)}, such as "rate > 0.99"'
     )
 
 

@@ -39,8 +39,8 @@ SHOWN_CONTACTS = 8
 ENDED = MappingProxyType(
     {
         "running": "not closed (killed, or still running)",
-        "duration": "time is up",
-        "error": "broken off by an error",
+        "duration": "time limit reached",
+        "error": "ended by an error",
     }
 )
 """How a run ended, in words, where the record's own word does not say it."""
@@ -256,7 +256,7 @@ def table_rows(summary: Summary, brief: bool = False) -> Rows:
         ("shortest boundary distance",
          _told(s, "shortest_boundary_distance", 4, more=run.where_nearest_wall)),
         ("shortest collision time",  # `physim validate` has those of all bodies
-         _told(s, "shortest_collision_time", 3, none, "to what it considered")),
+         _told(s, "shortest_collision_time", 3, none, "with what it considered")),
         ("farthest pair", _told(s, "farthest_distance", 2)),
         ("formation error, peak", _told(s, "formation_error_peak", 2)),
         ("formation error, final", _told(s, "formation_error_final", 2)),
@@ -333,14 +333,14 @@ def _each_contact(summary: Summary, found: Sequence[Episode | Graze]) -> Rows:
 
 def _more(count: int) -> Rows:
     """How many are not listed; no line where there are none."""
-    return [("  ...", f"{count} more (physim summary --json lists all)")] if count > 0 else []
+    return [("  ...", f"{count} more (physim summary --json has all)")] if count > 0 else []
 
 
 def _danger(summary: Summary, most: int) -> str:
     """Share of time in modes of danger, of all and of each of the first ``most`` robots."""
     share = summary.metrics.get("danger_share")
     if share is None:
-        why = "modes of danger" if summary.run.record.modes else "modes"
+        why = "danger mode" if summary.run.record.modes else "modes"
         told = f" (the controller declares no {why}, or no robot was under way)"
         return "n/a" + (told if summary.value("decisions") else "")
     robots = share.robots or ()
@@ -360,7 +360,7 @@ def _decisions(summary: Summary) -> str:
     )
     if count is None:
         return "n/a (not recorded)"
-    each = "" if rate is None else f" ({rate:.1f} a second and robot)"
+    each = "" if rate is None else f" ({rate:.1f} per second and robot)"
     computed = "" if times is None else f", {times} collision times computed"
     return f"{count}{each}, {messages} messages{computed}"
 

@@ -175,7 +175,7 @@ def _what_keeps(laid: Layout, record: Record, late: Absent, by: str, kept: float
     i, pose = late.robot, np.asarray(record.pose[-1])
     is_over = record.steps_run == laid.world.time.steps
     if is_over and not late.stands and late.short > 0.0 and LITTLE <= late.pace * LATELY < np.inf:
-        return f"; time.duration is over, and it needs about {late.short / late.pace:.0f} s more"
+        return f"; time.duration ends too early, it needs about {late.short / late.pace:.0f} s more"
     away = {
         k: float(np.hypot(*np.diff(nearest_points(record, i, k, pose), axis=0)[0]))
         for k in range(len(record.bodies))
@@ -188,7 +188,7 @@ def _what_keeps(laid: Layout, record: Record, late: Absent, by: str, kept: float
     told: list[str] = []
     for k in dict.fromkeys([*near[:1], *[k for k in near if k < record.robots][:1]]):
         if k == near[0] or k in last or away[k] < far:
-            who = "it waits for" if k in last else "nearest to it is" if not told else "then"
+            who = "it waits for" if k in last else "nearest is" if not told else "then"
             told.append(f"{who} {describe(record.bodies[k].name)}, {away[k]:.2f} m away")
     said = f"; {', '.join(told)}"
     if near[0] >= record.robots:
@@ -198,7 +198,7 @@ def _what_keeps(laid: Layout, record: Record, late: Absent, by: str, kept: float
         room -= inscribed_radius(laid.footprints[i])
         if room >= 0.0 and round(room, 2) < kept:
             said += (
-                f"; on the way ahead {room:.2f} m are left beside it, and it turns away nearer "
-                f"than {kept:g} m to a wall, {by}"
+                f"; the way ahead leaves {room:.2f} m beside it, but its controller keeps "
+                f"{kept:g} m away from walls ({by})"
             )
     return said

@@ -38,8 +38,8 @@ def find_row(folder: Folder, which: str) -> Row:
         return found[0]
     what = f"has {len(found)} runs" if found else "has no run"
     raise PhysimError(
-        f"{folder.path}: {what} whose digits begin with {which[:40]!r}; give a number of a row "
-        "(from 0) or the digits in its column run"
+        f"{folder.path}: {what} whose digits begin with {which[:40]!r}; give the number of a row "
+        "(from 0), or the first digits in its column run"
     )
 
 

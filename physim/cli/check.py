@@ -32,12 +32,12 @@ def check(
     watch: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
-    """Read worlds strictly and look at their geometry: all errors and warnings at once, each with
-    file, line and column, and the room that each robot has on its path. Then run a world without
-    errors once, and tell which robots touch something or do not arrive: these are warnings, too.
+    """Report all errors and warnings of worlds, each with file, line and column, and the room that
+    each robot has on its path. Then run each world without errors once: if a robot touches
+    something or does not arrive, that is a warning, too.
 
     options:
-      --no-run  only look at the file, without a trial run
+      --no-run  check without a trial run
       --watch  check again whenever a file is saved, until Ctrl-C
 
     exit codes:
@@ -50,7 +50,7 @@ def check(
       physim check worlds/*.yaml --json
       physim check my_world.yaml --watch         keep it running beside the editor
       physim check ten_robots --seed 3 --set corridor.width=6.0
-                                                 as physim run with these would read it
+                                                 check the world that physim run would run
     """
 
     def once() -> int:

@@ -24,43 +24,42 @@ def check_controller(
     json: JsonFlag = False,
     out: Out,
 ) -> int:  # fmt: skip
-    """Let a controller decide for the first seconds of worlds and in awkward situations, ask it for
-    the same decisions again under other conditions, and report what comes out differently.
-    Worlds whose robots it refuses are reported and left out. All this is asked in one process: what
-    differs from one to the next, as the order of a set of text or hash() of text does, is found by
-    physim validate RECORD.
+    """Check that a controller keeps the rules below. It decides for the first seconds of each world
+    and in unusual situations, then decides again under other conditions; each difference is
+    reported. Worlds whose robots it refuses are reported and left out. All checks run in one
+    process; physim validate RECORD finds what differs between two processes, such as the order of a
+    set of texts.
 
     arguments:
       CONTROLLER  a registered controller (physim list) or your own as module:Class
 
     options:
-      --world WORLD  a world file; the name of a shipped world, or of one in worlds/; or a run, its
-          folder or its record.h5, whose world is taken; instead of all shipped ones of up to 100
-          robots (may be repeated)
-      --seconds S  simulated time of each world [s] (2)
+      --world WORLD  check in this world: its file, its name, or a run (its folder or record.h5), to
+          use its world (default: all shipped worlds of up to 100 robots; may be repeated)
+      --seconds S  simulated time in each world [s] (2)
       --set KEY=VALUE  a setting of the controller, instead of those in the worlds, e.g.
           controller.look_ahead=3.0 (may be repeated)
 
-    rules, each finding names the one that is broken:
-      raises       it raises nothing when it decides
+    rules; each finding names the rule that is broken:
+      raises       it raises no exception when it decides
       decision     it returns a decision with commands within the limits
       repeats      the same settings, observation and memory give the same decision
-      state        nothing is kept on the object, its class or module: that is memory
-      order        whoever else is asked, and in whatever order, changes nothing
-      memory       the memory handed over is not written into
-      copies       memory can be copied and pickled, and a copy does as well
-      observation  nothing is written into what is seen
-      forms        decide and decide_all, where there are both, decide alike, bit for bit or
+      state        it keeps nothing in its object, class or module, only in its memory
+      order        a decision does not depend on which other robots decide, or in which order
+      memory       it does not write into the memory that it gets
+      copies       memory can be copied and pickled, and a copy gives the same decision
+      observation  it does not write into the observation
+      forms        decide and decide_all, if it has both, give the same decisions, bit for bit or
                    within the agreement that the class declares
-      portions     decide_all decides alike for some robots, or one, as for all that are due
-      sight        it goes by nothing that a robot may not know: robots and walls out of range
+      portions     decide_all gives a robot the same decision, whichever others are due with it
+      sight        it does not use what a robot cannot know: robots and walls out of range
 
-    situations beside the worlds: nobody in sight, no wall in sight, at the end of the path, facing
+    situations besides the worlds: nobody in sight, no wall in sight, at the end of the path, facing
     backwards, overlapping
 
     exit codes:
-      0    nothing was found
-      1    a line a finding: rule, world, robot, time, and what is wrong
+      0    no findings
+      1    one line for each finding: rule, world, robot, time, and what is wrong
       2    bad input: one line says what and where
       130  interrupted (Ctrl-C)
 

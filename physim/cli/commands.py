@@ -23,37 +23,37 @@ if TYPE_CHECKING:
 
 GROUPS = {
     "run": {
-        "list": ("listing:listing", "the worlds, controllers and other parts available"),
-        "run": ("run:run", "run a world: record, video and summary"),
-        "summary": ("listing:summary", "figures of a record: contacts, distances, times"),
+        "list": ("listing:listing", "list worlds, controllers and other parts"),
+        "run": ("run:run", "run a world; write record, video and summary"),
+        "summary": ("listing:summary", "print contacts, distances and times of a record"),
         "plot": ("pictures:plot", "draw the figures of a record"),
-        "video": ("pictures:video", "films and stills of a record, or of two"),
-        "page": ("page:page", "a run in the browser: watch, scrub, ask why"),
+        "video": ("pictures:video", "make a film or a still of one record, or of two"),
+        "page": ("page:page", "show a run in a browser, and why robots decided"),
     },
     "judge": {
-        "validate": ("validate:validate", "contacts of a run, exact checks, who was responsible"),
+        "validate": ("validate:validate", "check a run: contacts, distances, responsibility"),
         "check-controller": (
             "check_controller:check_controller",
-            "does a controller keep to what every run relies on?",
+            "check that a controller keeps the rules of every run",
         ),
         "crashtest": (
-            "crashtest:crashtest", "random shapes: does the engine agree with analysis?",
+            "crashtest:crashtest", "compare the engine with exact geometry on random shapes",
         ),
     },
     "author": {
-        "new": ("new:new", "a world to begin with, every key explained"),
-        "import": ("importing:import_world", "a world from a track, map, drawing or polygons"),
-        "check": ("check:check", "find every fault of a world before running it"),
-        "preview": ("check:preview", "draw a world before it is run"),
-        "schema": ("new:schema", "the JSON Schema of world files, for editors"),
+        "new": ("new:new", "write a first world, with a comment on every key"),
+        "import": ("importing:import_world", "make a world from a track, map, drawing or polygons"),
+        "check": ("check:check", "find the faults of a world before you run it"),
+        "preview": ("check:preview", "draw a world before you run it"),
+        "schema": ("new:schema", "print the JSON Schema of world files, for editors"),
     },
     "study": {
-        "sweep": ("sweep:sweep", "many runs: worlds, seeds, settings, controllers"),
-        "replay": ("replay:replay", "one run of a sweep again: record and video"),
-        "report": ("report:report", "how likely a contact is: rates, intervals, the worst"),
-        "compare": ("compare:compare", "is A better than B? differences on the same seeds"),
-        "falsify": ("falsify:falsify", "the worst that can happen: searched, shrunk, told"),
-        "reproduce": ("reproduce:reproduce", "the paper's figures again, reported beside measured"),
+        "sweep": ("sweep:sweep", "run many: worlds, seeds, settings, controllers"),
+        "replay": ("replay:replay", "repeat one run of a sweep, with record and video"),
+        "report": ("report:report", "report how often contacts happen, and the worst runs"),
+        "compare": ("compare:compare", "compare A with B on the same seeds: which is better?"),
+        "falsify": ("falsify:falsify", "search for the worst case and reduce it"),
+        "reproduce": ("reproduce:reproduce", "repeat the paper's experiments; compare the results"),
     },
 }  # fmt: skip
 """By job, the commands in the order of the help: where each is defined, and what it is for."""

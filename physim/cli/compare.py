@@ -61,28 +61,30 @@ def compare(
     quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
-    """Compare two controllers, settings or worlds on the same seeds: differences with intervals,
-    tested, and corrected for how many are looked at. Seeds that only one has are left out.
+    """Compare two controllers, settings or worlds on the same seeds. Each difference has an
+    interval and a test, corrected for the number of comparisons. Seeds that only one of the two has
+    are left out.
 
     arguments:
       A  folder of a campaign (physim sweep)
-      [B]  another one, but with --by
+      [B]  folder of another campaign; not with --by
 
     options:
-      --by WHAT  compare the cells of A that differ in this alone: controller, settings or world
-      --only NAME,...  only these rates and measures; metrics of your own as NAME:more or NAME:less,
-          by what is better
-      -o, --output FILE  write a page with all pairs as points
-      --explain  tell how differences are estimated and tested
+      --by WHAT  compare the cells of A that differ only in this: controller, settings or world
+      --only NAME,...  compare only these rates and measures; metrics of your own as NAME:more or
+          NAME:less, for which is better
+      -o, --output FILE  write a page that draws each pair as a point
+      --explain  say how differences are estimated and tested
       --force  overwrite an existing FILE
       --quiet  print no table
 
     Rates (rate: contact-free and finished; contact_free; finished) are compared by McNemar's exact
-    test, measures (least_distance, time_to_finish, deviation_peak, formation_error_peak) by the
-    sign test: with how many seeds is which the better one? p values are corrected after Holm.
+    test. Measures (least_distance, time_to_finish, deviation_peak, formation_error_peak) are
+    compared by the sign test, which counts the seeds with which each of the two is better. p values
+    are corrected by Holm's method.
 
     exit codes:
-      0    compared, whatever came out
+      0    compared, whatever the result
       2    bad input: one message says what and where
       130  interrupted (Ctrl-C)
 

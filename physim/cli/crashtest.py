@@ -27,21 +27,21 @@ def crashtest(
     quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
-    """Throw random footprints at each other and at walls, at constant (v, omega), and compare the
-    first physical contact of each throw with its collision time. Every case on which they differ
-    for no known reason is written as a world that physim run replays.
+    """Drive random footprints into each other and into walls, at constant (v, omega), and compare
+    the first physical contact of each case with its collision time. Each case in which the two
+    differ for no known reason is written as a world for physim run.
 
     options:
       --cases N  number of random cases (10000)
       --seed N  seed of the cases (0)
       -o, --output DIR  folder for the worlds of unexplained cases (default: crashtest-SEED)
       --force  overwrite FILE, and the worlds in DIR
-      --quiet  print neither progress nor table
+      --quiet  print no progress and no table
 
     exit codes:
       0    no case is unexplained
       2    bad input
-      3    engine and analysis disagree: every unexplained case is reported and written as a world
+      3    engine and geometry disagree: each unexplained case is reported and written as a world
       130  interrupted (Ctrl-C): the cases so far are reported and written
 
     examples:

@@ -57,36 +57,37 @@ def falsify(
     quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
-    """Look for the start in which robots come nearest to a contact, or touch hardest, by CMA-ES on
-    the signed swept clearance, and of contacts on the closing speed. The first failure ends the
-    search and is shrunk: fewest robots, shortest time, straightest walls, roundest numbers with
-    which it still fails.
+    """Search for the start from which robots come nearest to a contact, or touch hardest. CMA-ES
+    minimises the signed clearance over the whole motion and, once there is contact, maximises the
+    closing speed. The first failure ends the search and is shrunk: to the fewest robots, shortest
+    time, straightest walls and roundest numbers that still fail.
 
     options:
-      --budget N  runs to search with at most (200)
-      --vary WHAT  what is varied, of pose, heading, speed (pose,heading)
-      --whole-budget  go on after the first failure, for the severest
-      --random  search at random, to compare with
-      --shrink N  runs to shrink a failure with at most (500); 0 leaves it as found
+      --budget N  maximum number of runs of the search (200)
+      --vary WHAT  what to vary: some of pose, heading, speed (pose,heading)
+      --whole-budget  continue after the first failure, to find the severest
+      --random  search at random, as a baseline
+      --shrink N  maximum number of runs to shrink a failure (500); 0: do not shrink it
       --workers N  processes (as many as cores, at most 8); the result is the same
       -o, --output DIR  output folder (default: falsified/NAME-SEED)
       --force  overwrite an earlier search in DIR
       --no-video  make no video
-      --quiet  print the result only
+      --quiet  print only the result
 
-    bounds: pose: up to 1 m along x and y, or anywhere in the start region, clear of all else by
-    0.3 m or what the world itself has; heading: any where it is random, else 0.5 rad to either
-    side; speed: limits of v and omega, half to all of each, as far as the controller takes them
+    bounds: pose: up to 1 m along x and y, or anywhere in the start region; at least 0.3 m from
+    everything else, or the least distance of the world's own start if that is less; heading: any if
+    the world draws it, else up to 0.5 rad to either side; speed: limits of v and omega, each from
+    half to all of its value, if the controller accepts them
 
     written to DIR:
       worst.yaml     the world that fails, shrunk; or the one that came nearest to it
       as_found.yaml  the same before it was shrunk
       record.h5, video.mp4, story.txt
-                     its run, and a paragraph of what happens
+                     its run, and a paragraph that says what happens
 
     exit codes:
-      0    no failure found: that is no proof that there is none
-      1    a failure found
+      0    no failure found (there may still be one)
+      1    failure found
       2    bad input
       130  interrupted (Ctrl-C): the worst so far is written
 

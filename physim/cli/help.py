@@ -12,10 +12,10 @@ from physim.cli.commands import GROUPS, HELP, tables
 if TYPE_CHECKING:
     from cyclopts import App, Argument, Group
 
-HEAD = "Usage: physim [-h] [--version] COMMAND ...  Run polygon robots; judge the runs.\n"
+HEAD = "Usage: physim [-h] [--version] COMMAND ...  Simulate robots; judge the runs.\n"
 TAIL = """\
 exit: 0 success, 1 contact, 2 bad input, 3 disagreement, 70 bug, 130 interrupted
-To begin: physim run three_robots. A command explained: physim COMMAND --help
+First step: physim run three_robots. Help on a command: physim COMMAND --help
 """
 WIDTH = 78
 """Characters of a line"""

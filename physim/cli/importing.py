@@ -38,7 +38,8 @@ def import_world(
     quiet: bool = False,
 ) -> int:  # fmt: skip
     """Make a world from a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON, and list every line
-    that was dropped or repaired. Beside it goes world.schema.json, by which editors complete keys.
+    that was dropped or repaired. Also write world.schema.json beside it: editors use it to complete
+    keys.
 
     arguments:
       SOURCE  the file to import
@@ -48,31 +49,31 @@ def import_world(
       --force  overwrite an existing file
       --format  kind of the source (default: by suffix)
       --name NAME  name of the world (default: that of the source)
-      --no-run  only look at the world made, as physim check does, without a trial run
-      --quiet  neither report nor check
+      --no-run  check the new world as physim check does, but without a trial run
+      --quiet  print no report and do not check the world
 
     lines:
       --scale M  metres per unit of the source (default: 1; svg: the document's real-world units)
-      --tolerance M  [m] how far lines may move: simplified outlines (one cell), flattened curves
-          (0.01)
-      --close M  [m] join ends of walls, and of pieces of a path, that are at most so far apart
-      --boundary ID  a shape or group of an SVG drawing, by id or label, that is a wall (may be
+      --tolerance M  [m] how far lines may move when outlines of a map are simplified (default: one
+          cell) or curves are flattened (default: 0.01)
+      --close M  [m] join ends of walls, and of pieces of a path, that are at most this far apart
+      --boundary ID  use this shape or group of an SVG drawing (its id or label) as a wall (may be
           repeated)
-      --ignore NAME  a shape, group or feature without a role that is left out (may be repeated)
+      --ignore NAME  leave out this shape, group or feature, which has no role (may be repeated)
       --ignore-others  leave out all shapes and features without a role
-      --specks M2  [m²] occupied patches of a map up to this area are left out (default: 2 cells)
+      --specks M2  [m²] leave out occupied patches of a map up to this area (default: 2 cells)
       --start S  [m] station at which a closed track is cut open (0)
       --gap M  [m] of road left out at the cut (2)
-      --open  the track is an open one, near as its ends may be
+      --open  the track is open, even if its ends are close together
 
     path and robots:
       --from X,Y  [m] where the path begins (default: as drawn, else far from its end)
       --to X,Y  [m] where it ends
-      --robots N  robots (default: as drawn, or 1)
-      --lanes K  robots abreast (1)
-      --robot L,W|fit  [m] length and width of a robot (1.8,1.0), or fit: as large as fits, at most
-          that
-      --no-formation  robots go each by itself, not in a formation
+      --robots N  number of robots (default: as drawn, or 1)
+      --lanes K  number of robots side by side (1)
+      --robot L,W|fit  [m] length and width of a robot (1.8,1.0); or fit: as large as possible, at
+          most 1.8,1.0
+      --no-formation  each robot drives by itself, not in a formation
 
     formats, by suffix:
       track     centreline and widths, columns x_m, y_m, w_tr_right_m, w_tr_left_m (.csv)

@@ -23,8 +23,8 @@ def listing(
     json: JsonFlag = False,
     out: Out,
 ) -> int:  # fmt: skip
-    """List the shipped worlds and, a line each, what is registered: controllers, sensing stages,
-    filters, disturbances, observers; of metrics and plots those of other packages.
+    """List the shipped worlds and the registered controllers, sensing stages, filters, disturbances
+    and observers, one line each; also metrics and plots of other packages.
 
     exit codes:
       0    listed
@@ -60,7 +60,7 @@ def listing(
         for name, line in entries.items():
             print(f"  {name:<{width}}  {line}")
     if none := [title for title, entries in found.items() if not entries]:
-        print(f"none of your own: {', '.join(none)} (how to add one: {HOW})")
+        print(f"none registered: {', '.join(none)} (how to add one: {HOW})")
     return 0
 
 
@@ -75,16 +75,16 @@ def summary(
     out: Out,
 ) -> int:  # fmt: skip
     """Print contacts, distances, collision times, formation errors and modes of a record, and
-    whether what its world expects held.
+    whether the run met what its world expects.
 
     arguments:
       [RECORD]  a run: its folder or its record.h5
 
     options:
-      --definitions  print what each metric means instead, with its unit and equation or figure
+      --definitions  print instead what each metric means, with its unit and equation or figure
 
     exit codes:
-      0    printed, whatever it says
+      0    printed, whatever the result
       2    bad input: one message says what and where
 
     examples:

@@ -55,13 +55,13 @@ def schema(
       -o, --output FILE  write it to a file instead
       --force  overwrite an existing file
 
-    An editor that knows YAML schemas (VS Code with the YAML extension, and all others that use
-    yaml-language-server) completes keys and shows units and meanings where a world begins with
+    An editor that knows YAML schemas (VS Code with the YAML extension, or any that uses
+    yaml-language-server) completes keys and shows units and meanings, if the world begins with
 
       # yaml-language-server: $schema=world.schema.json
 
-    the path of the schema as seen from the world. It works without a network. The schema holds
-    every registered controller with its settings, those of your own packages too.
+    where the path is relative to the world. It needs no network. The schema has every registered
+    controller with its settings, also those of your own packages.
 
     exit codes:
       0    printed or written
@@ -74,7 +74,7 @@ def schema(
 
     if output is None:
         if force:
-            raise PhysimError("--force: needs -o FILE; printed is nothing overwritten")
+            raise PhysimError("--force: needs -o FILE; without it nothing is overwritten")
         print(schema_text(), end="")
         return 0
     write_text(Target(output, force).file(), schema_text())
@@ -91,25 +91,25 @@ def new(
     project: File | None = None,
     force: bool = False,
 ) -> int:  # fmt: skip
-    """Write NAME.yaml, a world that runs as it is, with a comment on every key, and beside it
-    world.schema.json, by which editors complete keys and show what they mean.
+    """Write NAME.yaml, a world that runs as it is, with a comment on every key. Also write
+    world.schema.json beside it: editors use it to complete keys and to show what they mean.
 
     arguments:
-      [NAME]  name of the world, and of its file (of a project: that of its folder)
+      [NAME]  name of the world and of its file (with --project: default is that of the folder)
 
     options:
-      --like WORLD  which world to begin with (straight; of a project a corridor)
-      --robots N  how many, where that world has one group
-      --seed N  of a world with corridor.random: its road written out as this seed draws it
+      --like WORLD  copy this world (default: straight; with --project: a corridor)
+      --robots N  number of robots, if that world has one group
+      --seed N  if that world has corridor.random: write the road that this seed draws
       -o, --output FILE  file to write (default: NAME.yaml)
-      --project DIR  make a folder with worlds/, controllers/ with an example, and a README, which
-          goes from the first run to a comparison of two controllers
+      --project DIR  make a folder with worlds/, an example in controllers/, and a README that leads
+          from the first run to a comparison of two controllers
       --force  overwrite existing files
 
     worlds to begin with, among others:
       straight    two robots, the smallest     s_bend          a turn left and a turn right
       doorway     a door one robot wide        crossing        two roads cross
-      merging     two roads become one         roundabout      in, round it, out
+      merging     two roads become one         roundabout      robots go round it
       warehouse   aisles between shelves       hundred_robots  one group: --robots says how many
       random_road bends and obstacles that the seed draws, beside a clear passage
 

@@ -152,8 +152,8 @@ def words(text: str) -> tuple[str, ...]:
 
 
 WORLD_HELP = (
-    "a world file; the name of a shipped world, or of one in worlds/; or a run, its folder or its "
-    "record.h5, whose world is taken"
+    "a world file; the name of a shipped world, or of one in worlds/; or a run (its folder or its "
+    "record.h5), to use its world"
 )
 
 Whole = Annotated[int, kind(WHOLE)]
@@ -190,11 +190,11 @@ class Changes:
 
     options:
       --seed N  seed, instead of the world's own
-      --controller NAME  a registered controller (physim list) or your own as module:Class, in
-          place of the world's; robots with a controller of their own keep it
-      --traceback  show where code of your own failed, with all calls that led there
-      --set KEY=VALUE  change one value of the world, e.g. robots.0.limits.v=1.2, or leave one out,
-          e.g. formation=null (may be repeated)
+      --controller NAME  use this controller instead of the world's: a registered one (physim list),
+          or your own as module:Class; robots with a controller of their own keep it
+      --traceback  if your own code fails, show the full traceback
+      --set KEY=VALUE  change one key of the world, e.g. robots.0.limits.v=1.2, or remove one, e.g.
+          formation=null (may be repeated)
     """
 
     seed: Whole | None = None

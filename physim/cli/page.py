@@ -26,18 +26,18 @@ def page(
     force: bool = False,
     quiet: bool = False,
 ) -> int:  # fmt: skip
-    """Write one HTML file that shows a run in a browser, from disk and without network.
+    """Write one HTML file that shows a run in a browser. It needs no network.
 
     arguments:
-      RECORD...  a run: its folder or its record.h5; of several runs, shown in step
+      RECORD...  a run: its folder or its record.h5; several runs play side by side
 
     options:
       -o, --output FILE  file, ending in .html (default: page.html beside the first record)
       --force  overwrite an existing file
       --quiet  do not print the name of the file
 
-    It plays, scrubs and zooms; a click on a robot shows what it saw and why it decided as it did,
-    one on a contact what physim validate says of it. Several runs are shown side by side.
+    In the page you play the run, move through its time and zoom. Click a robot to see what it
+    sensed and why it decided as it did; click a contact to see what physim validate says about it.
 
     exit codes:
       0    the page is written
@@ -71,4 +71,4 @@ def make_page(
 
     write_page(records, output, found)
     if between := drawn_between(records):
-        tell([f"{output}: {between}: contacts may lie beside them"])
+        tell([f"{output}: {between}: contacts may be drawn slightly off"])

@@ -46,17 +46,17 @@ def plot(
     width: Annotated[float | None, kind(print_width)] = None,
     snapshots: Positive | None = None,
 ) -> int:  # fmt: skip
-    """Draw the figures of the paper, and more, from a record alone.
+    """Draw figures from a record: those of the paper, and more.
 
     options:
       --only NAMES  figures to draw, as listed below, with commas between (default: all)
       -o, --output DIR  folder for the pictures (default: that of the record)
-      --format  kind of the pictures (png)
+      --format  file format (png)
       --force  overwrite existing pictures
-      --no-title  without title and name of the run, for a paper with captions
-      --width IN  width in print: column (3.5 in), page (7.16 in), or inches; writing keeps its size
-      --snapshots S  simulated seconds between the robots in trajectories (default: about ten in the
-          run, fewer of long clusters)
+      --no-title  leave out the title and the name of the run, for a paper with captions
+      --width IN  width in print: column (3.5 in), page (7.16 in), or inches; text keeps its size
+      --snapshots S  in trajectories, simulated time from one drawing of the robots to the next [s]
+          (default: about ten in the run, fewer for long clusters)
 
     figures (physim summary --definitions says how their quantities are computed):
       trajectories     paths, trajectories and snapshots on the map (Figs. 1a, 2a, 3a, 6a, 6b)
@@ -68,12 +68,12 @@ def plot(
       collision_times  collision times at the decisions (Figs. 3c, 6d)
       modes            modes of each robot over time (Fig. 8)
       prediction       predicted against actual time to contact
-    and those that installed packages register as physim.plots
+    and figures that installed packages register as physim.plots
 
     exit codes:
       0    drawn
       2    bad input: one message says what and where
-      130  interrupted (Ctrl-C): pictures that were done by then stay, no half ones
+      130  interrupted (Ctrl-C): finished pictures are kept
 
     examples:
       physim plot runs/ten_robots-21
@@ -121,23 +121,23 @@ def video(
     speed: Annotated[float | None, kind(real(0.001, 1e6))] = None,
     quiet: bool = False,
 ) -> int:  # fmt: skip
-    """Make a film of a record, MP4 (H.264), GIF or WebP, or with --at a still.
+    """Make a film of a record (MP4 in H.264, GIF or WebP), or a still with --at.
 
     arguments:
-      [RECORD]  another run, shown on the right; titles say in what the two worlds differ
+      [RECORD]  another run, shown on the right; the titles say how the two worlds differ
 
     options:
       -o, --output FILE  file, ending in .mp4, .gif, .webp, or .png for a still (default: video.mp4
           beside the record, or beside.mp4; frame.png)
       --from T  simulated time at which the video begins [s] (0)
       --to T  simulated time at which it ends [s] (default: the end of the run)
-      --at T  a still of this simulated time [s] instead of a film
+      --at T  make a still at this simulated time [s] instead of a film
       --force  overwrite an existing file
-      --fps N  frames a second of video, 1 to 240 (25; GIF, which cannot hold all: 20)
-      --width PX  width of the picture (1280; GIF and WebP: 800); the height goes with it
-      --speed X  simulated seconds a second of video, 0.001 to 1000000 (default: chosen so that the
-          video lasts at most 80 s, GIF and WebP 20 s, and 1.5 s on the last picture)
-      --quiet  no progress bar
+      --fps N  frames per second, 1 to 240 (25; GIF: 20)
+      --width PX  width of the picture (1280; GIF and WebP: 800); it sets the height, too
+      --speed X  simulated seconds per second of video, 0.001 to 1000000 (default: so that the video
+          lasts at most 80 s, GIF and WebP 20 s; the last picture then stays for 1.5 s)
+      --quiet  print no progress
 
     exit codes:
       0    the video is made
@@ -160,7 +160,7 @@ def video(
     file = output or record.parent / usual
     if at is None:
         if file.suffix.lower() == STILL:
-            raise PhysimError(f"{file}: is a still; --at T says of which simulated time")
+            raise PhysimError(f"{file}: is a still; give its simulated time by --at T")
         rate(kind_of(file), fps, "--fps")
     else:
         film = {"--from": from_ != 0.0, "--to": to != math.inf, "--fps": fps is not None}

@@ -23,25 +23,25 @@ def replay(
     no_video: bool = False,
     quiet: bool = False,
 ) -> int:  # fmt: skip
-    """Run one row of a sweep again, and write its record.h5 and video.mp4. The record is the same
-    bit for bit; it is held against the row.
+    """Repeat the run of one row of a sweep, and write its record.h5 and video.mp4. The record is
+    the same, bit for bit; its figures are compared with the row.
 
     arguments:
-      DIR:ROW  a folder of physim sweep, and the number of a row in its results.csv, from 0, or
-          the digits in its column run, as many as are needed
+      DIR:ROW  folder of a campaign (physim sweep), and a row of its results.csv: its number, from
+          0, or the first digits in its column run
 
     options:
       -o, --output DIR  output folder (default: runs/WORLD-SEED)
-      --controller NAME  the row's own controller, where that is a class of yours: code is only run
-          when named
+      --controller NAME  your own class, if the row used one: physim runs your code only if you name
+          it
       --force  overwrite an earlier run in the output folder
       --no-video  make no video
-      --quiet  print neither progress nor result
+      --quiet  print no progress and no result
 
     exit codes:
-      0    the same run again
-      2    bad input, or the run would not be the same: versions or the controller's source differ
-      3    it came out otherwise than in its row: something is wrong
+      0    the run is the same
+      2    bad input; or the run cannot be the same: versions or the controller's source differ
+      3    the run differs from its row: something is wrong
       130  interrupted (Ctrl-C)
 
     examples:
@@ -54,7 +54,7 @@ def replay(
 
     place, _, which = run.rpartition(":")
     if not place or "\n" in place:
-        raise PhysimError(f"{quoted(run)}: is not DIR:ROW, as sweeps/ten_robots:0")
+        raise PhysimError(f"{quoted(run)}: is not DIR:ROW, for example sweeps/ten_robots:0")
     campaign = Folder(place)
     row = find_row(campaign, which)
     spec = spec_of_row(campaign, row, controller)

@@ -40,33 +40,33 @@ def report(
     quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
-    """Report a campaign as a table and as one page of HTML: for each world, settings and
-    controller how many runs were contact-free, finished, and both, with intervals; distances and
-    times; the worst runs of each, by the severity of their contacts, and runs that did not finish,
-    with pictures; runs that crashed.
+    """Report a campaign as a table and as one HTML page. For each cell (world, settings,
+    controller) it gives the rates of runs that were contact-free, finished, and both, with
+    intervals; distances and times; the worst runs and the runs that did not finish, with pictures;
+    and runs that crashed.
 
     arguments:
       DIR  folder of a campaign (physim sweep)
 
     options:
-      -o, --output FILE  page to write (DIR/report.html, again each time)
-      --videos  make the videos of the runs with pictures, and link to them
-      --pages  make the pages of these runs for the browser, and link to their moments
-      --no-pictures  do not run any again for their pictures
-      --controller NAME  a class of yours that runs of DIR had, so that they can be run again for
-          their pictures: code is only run when named (may be repeated)
-      --explain  tell which intervals these are, and when they hold
+      -o, --output FILE  page to write (default: DIR/report.html, replaced each time)
+      --videos  also make videos of the runs with pictures, with links to them
+      --pages  also make pages of these runs for the browser, with links to the moments
+      --no-pictures  make no pictures; they need the runs to be run again
+      --controller NAME  your own class, if runs of DIR used one, so that they can be run again for
+          their pictures: physim runs your code only if you name it (may be repeated)
+      --explain  say which kind of intervals these are, and when they are valid
       --force  overwrite an existing FILE, or a DIR/report.html of another kind
       --quiet  print no table
 
     intervals:
-      Exact (Clopper-Pearson) for a campaign whose number of runs was fixed in advance; by a
-      confidence sequence, which holds at every look, for one made with sweep --until.
+      Exact (Clopper-Pearson) if the number of runs was fixed in advance; a confidence sequence,
+      which is valid at every look, if the campaign was made with sweep --until.
 
     exit codes:
       0    reported, whatever the rates
       2    bad input: one message says what and where
-      130  interrupted (Ctrl-C): the page has what was drawn by then
+      130  interrupted (Ctrl-C): the page has the pictures made until then
 
     examples:
       physim report runs/study

@@ -29,18 +29,18 @@ def reproduce(
     force: bool = False,
     quiet: bool = False,
 ) -> int:  # fmt: skip
-    """Run the experiments of the paper, draw its figures, make the videos, and write what it
-    reports beside what is measured, with a verdict for every claim.
+    """Repeat the experiments of the paper, draw its figures and make videos. Compare what the paper
+    reports with what is measured, with a verdict for every claim.
 
     options:
-      --figure N  only what this figure of the paper needs
-      --study NAME  only this study of a claim that the paper makes in words
+      --figure N  run only what this figure of the paper needs
+      --study NAME  run only this study, of a claim that the paper makes in words
       -o, --output DIR  folder to write to (reproduction)
-      --quick  few seeds: some minutes instead of half an hour
+      --quick  use few seeds: takes some minutes instead of half an hour
       --no-video  make no videos
       --workers N  processes (as many as cores, at most 8)
       --force  overwrite an earlier reproduction in DIR
-      --quiet  print neither progress nor verdicts
+      --quiet  print no progress and no verdicts
 
     figures: 1, 2, 3, 3a, 4, 6, 7, 8 (5 is the flow chart of the rules)
     studies: alpha, energy, bends, routes, avoidance, switching, hysteresis,
@@ -55,7 +55,7 @@ def reproduce(
     exit codes:
       0    done, whatever the verdicts
       2    bad input
-      130  interrupted (Ctrl-C): the pages hold what was done by then
+      130  interrupted (Ctrl-C): the pages have what was done until then
 
     examples:
       physim reproduce --quick

@@ -39,26 +39,26 @@ def run(
       --force  overwrite an earlier run in DIR
       --observer NAME  attach a registered observer (physim list) or your own, as module:Class (may
           be repeated)
-      --keep-states S  keep the state of the run every S seconds, for other runs to start from
-      --from T  go on from the state that the record given as the world kept at T [s], with another
-          --controller, or with --set of what moves no body
+      --keep-states S  keep the state of the run every S seconds, so that other runs can start there
+      --from T  start from the state at T [s] that a record kept (give it as WORLD); you may change
+          --controller, and with --set any key that moves no body
       --no-video  make no video
-      --page  write DIR/page.html, too: the run in a browser, to watch, scrub and ask why
+      --page  also write DIR/page.html, which shows the run in a browser
       --full  print every figure, as physim summary does
-      --quiet  print neither progress nor table
+      --quiet  print no progress and no table
 
     exit codes:
-      0    ran, and everything under "expect:" in the world held
-      1    ran, but an expectation failed
-      2    bad input: one line a fault says what and where
-      130  interrupted (Ctrl-C): the record so far is whole, and so is its video; a second Ctrl-C
-           cuts the video short, which is then kept as video.cut_short.mp4
+      0    ran, and the run met everything under "expect:" in the world
+      1    ran, but did not meet an expectation
+      2    bad input: one line for each fault says what and where
+      130  interrupted (Ctrl-C): record and video end there and are complete; a second Ctrl-C
+           stops the video, too, which is then kept as video.cut_short.mp4
 
-    settings under controller: belong to the type beside them, and are left out with a warning where
-    --controller names another; without a type, or by --set controller.KEY=VALUE, they are for
-    whatever runs
+    settings under "controller:" in the world belong to its type: with another --controller they are
+    not used, and a warning says so; settings without a type, and those of --set
+    controller.KEY=VALUE, are used in any case
 
-    keys for --set: physim new writes a world with every key explained
+    keys for --set: physim new writes a world with a comment on every key
 
     examples:
       physim run ten_robots

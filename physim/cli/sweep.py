@@ -59,48 +59,48 @@ def sweep(
     quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
-    """Run every combination of worlds, seeds, values and controllers, and write a row for each run
-    to DIR. What has a row is not run again: the same command goes on where it was interrupted or
-    killed, one with more seeds adds to it. Two at once in one DIR need parts of their own: --shard.
+    """Run every combination of worlds, seeds, values and controllers, and write one row for each
+    run to DIR. Runs that have a row are not run again: repeat the command to continue after an
+    interruption, or with more seeds to add runs. Several sweeps at once in one DIR need --shard.
 
     options:
-      --seeds A:B  each world with the seeds A to B - 1 (default: with its own)
-      --set KEY=V1,V2  each of these values of a world, e.g. controller.beta=0.3,0.5 (of controllers
-          that have it); may be repeated: every combination is run
-      --controller NAME,...  each of these controllers, registered ones (physim list) or your own as
-          module:Class
+      --seeds A:B  run each world with the seeds A to B - 1 (default: its own seed)
+      --set KEY=V1,V2  run with each of these values, e.g. controller.beta=0.3,0.5 (for controllers
+          that have this key); may be repeated: every combination is run
+      --controller NAME,...  run with each of these controllers: registered ones (physim list), or
+          your own as module:Class
       -o, --output DIR  folder (default: sweeps/WORLD)
       --workers N  processes on this machine (as many as cores, at most 8)
       --scheduler ADDRESS  run on a Dask cluster, e.g. tcp://10.0.0.1:8786, which must answer in 5 s
           and have a worker in 30 s
-      --until GOAL  stop when it is known: "rate > 0.99" (contact-free and finished; or
-          contact_free, finished), or the width of the interval of that rate, as 0.02; --seeds says
-          how many at most
-      --shard I/N  only part I of N parts
-      --keep WHICH  records to keep in DIR/records: none, failed (those with contacts), all (none)
-      --limit SECONDS  give a run up after this time (default: 2 min and 1 ms for each robot and
+      --until GOAL  stop when the answer is known: is "rate > 0.99"? (rate: contact-free and
+          finished; also contact_free, finished); or when the interval of rate is narrow enough,
+          e.g. 0.02 wide; --seeds is the maximum
+      --shard I/N  run only part I of N parts
+      --keep WHICH  which records to keep in DIR/records: none, failed (with contacts), all (none)
+      --limit SECONDS  end a run that takes longer (default: 2 min plus 1 ms for each robot and
           step)
-      --validate  hold every run against exact distances and collision times, as physim validate
-          does: columns verdict and unexplained
-      --retry  run those again that failed: by an error, their limit or a kill
-      --yes  run more than a million
-      --parquet  also write results.parquet, which needs physim[study]; without this option a
-          results.parquet of before is removed, as it would lack rows
+      --validate  check every run as physim validate does, and write the columns verdict and
+          unexplained
+      --retry  run again the runs that crashed: by an error, at their limit, or killed
+      --yes  allow more than a million runs
+      --parquet  also write results.parquet (needs physim[study]); without this option an old
+          results.parquet is removed
       --json  print the counts as JSON instead
-      --quiet  print neither progress nor counts
+      --quiet  print no progress and no counts
 
     written to DIR:
-      results.csv     a row a run: ended, contacts, distances, times, ... (spreadsheet, pandas, R)
-      records/        records that --keep keeps; physim replay makes any other again
-      rows/, worlds/  the rows as they come, the worlds as they are run; campaign.json
+      results.csv     one row per run: ended, contacts, distances, ... (for spreadsheet, pandas, R)
+      records/        the records kept by --keep; physim replay makes any other one again
+      rows/, worlds/  rows in the order in which runs end; the worlds that were run; campaign.json
 
-    a run that fails (an error, beyond its limit, a killed process) is a row with its reason
+    a run that crashes (by an error, at its limit, killed) has a row, too, with the reason
 
     exit codes:
-      0    all runs have a row, whatever came of them
+      0    all runs have a row, whatever the results
       2    bad input; nothing that was written is lost
       3    with --validate: the checks disagree in some run
-      130  interrupted (Ctrl-C, SIGTERM): what was finished is kept; the same command goes on
+      130  interrupted (Ctrl-C, SIGTERM): finished runs are kept; the same command continues
 
     examples:
       physim sweep ten_robots --seeds 1:101
@@ -126,7 +126,9 @@ def sweep(
     if until is not None and seeds is None:
         raise PhysimError("--until: needs --seeds A:B, the seeds that may be run for it")
     if until is not None and shard[1] > 1:
-        raise PhysimError("--until: cannot be combined with --shard, which has not all seeds")
+        raise PhysimError(
+            "--until: cannot be combined with --shard, which runs only some of the seeds"
+        )
     grid = make_grid(
         worlds, seeds, set, controller, limit, Shard(*shard), None if yes else MOST_RUNS
     )
@@ -137,7 +139,7 @@ def sweep(
     fixed = Counter(grid.cells[k].world for k in grid.fixed)
     if fixed and seeds is not None and not quiet:
         cells = ", ".join(f"{world} ({plural(n, 'cell')})" for world, n in sorted(fixed.items()))
-        print(f"Nothing random in {cells}, run once each; {TO_DRAW}.", file=sys.stderr)
+        print(f"Nothing is random in {cells}: each runs once; {TO_DRAW}.", file=sys.stderr)
     decisions: dict[Label, Decision] = {}
     with interrupts() as interrupt, Bar("sweep", len(grid), "runs", quiet) as bar:
         team = partial(executor, workers, scheduler)

@@ -32,24 +32,23 @@ def validate(
     quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
-    """Hold the physical contacts of a run against exact distances and collision times, and report
-    every contact: who, where, and who was responsible.
+    """Compare the physical contacts of a run with exact distances and collision times, and report
+    every contact: which bodies touched, where, and who was responsible.
 
     arguments:
       WORLD|RECORD  a run: its folder or its record.h5; or a world to run first: its file, or the
           name of a shipped one
 
     options:
-      --page FILE  write the run as a page for the browser (.html), each finding with a link to its
-          moment
+      --page FILE  write the run as a page for the browser (.html), with a link to each finding
       --force  overwrite an existing FILE
       --world WORLD  check that the record was made from WORLD
-      --rerun  whether to simulate the world inside RECORD again, too: does it give the same run?
-      --full  tell every contact, all tables and near misses, too
+      --rerun  simulate the world in RECORD again, and check that the run is the same (default)
+      --full  also print every contact, all tables and near misses
       --quiet  print only the verdict
 
     exit codes:
-      0    contact-free and as the world expects, and physics and geometry agree at every step
+      0    contact-free and as the world expects; physics and geometry agree at every step
       1    contacts, or not as the world expects
       2    bad input: one message says what and where
       3    the checks disagree: something is wrong with physics, geometry or the record
@@ -102,7 +101,7 @@ def validate(
         if page is not None:
             make_page([whole], page, quiet, found)
             if not quiet:
-                print(f"the run, its findings linked to their moments: {page}", file=sys.stderr)
+                print(f"the run, with a link to each finding: {page}", file=sys.stderr)
     write_json(json, json_of_validation(found), out)
     short = "\n".join([*warning_lines(found), f"verdict: {found.verdict}"]) + "\n"
     print(short if quiet else report_text(found, full), end="")
@@ -112,7 +111,7 @@ def validate(
 def _check(is_record: bool, world: str | None, rerun: bool, changes: Changes) -> None:
     """Raise PhysimError for an option that would have no effect."""
     if not is_record and world is not None:
-        raise PhysimError("--world: needs a record; it checks where the record came from")
+        raise PhysimError("--world: needs a record; it checks from which world that was made")
     if not is_record and not rerun:
         raise PhysimError("--no-rerun: needs a record; a world has to be simulated")
     if is_record and changes.seed is not None:

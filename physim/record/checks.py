@@ -39,7 +39,7 @@ def open_record(path: Path) -> h5py.File:
     elif not h5py.is_hdf5(path):
         fault = "not an HDF5 file" if os.access(path, os.R_OK) else "cannot be read"
     if fault:
-        raise RecordError(f"{path}: {fault}; give the record.h5 of a run")
+        raise RecordError(f"{path}: {fault}; give the folder of a run, or its record.h5")
     try:
         return h5py.File(path, "r")
     except OSError as error:

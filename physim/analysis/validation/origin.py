@@ -152,5 +152,5 @@ def check_made_from(record: Record, world: World, where: str | Path) -> None:
         if key not in ("seed", "time.record_every"):
             raise RecordError(
                 f"{record.where}: not made from {where}: {key} is {recorded} in the record, "
-                f"{given} in the world (--set and --controller take the changes of a run)"
+                f"{given} in the world (if the run had --set or --controller, give the same here)"
             )

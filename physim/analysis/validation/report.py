@@ -111,15 +111,13 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
         pairs.setdefault((one.a, one.b), []).append(one)
     lines += _pair_rows(pairs, names, len(pairs) if full else MOST_PAIRS)
     if any(one.b >= run.robots for one in every):
-        lines.append(
-            "  Responsible with a boundary or obstacle is the robot: it has to keep clear."
-        )
+        lines.append("  With a boundary or obstacle the robot is responsible: it must keep clear.")
     told = every[:MOST_TOLD_IN_FULL] if full else [some[0] for some in pairs.values()][:MOST_TOLD]
     for one in told:
         lines += wrapped(" ".join(sentences(one, names)), "  - ", "    ")
     if left := len(every) - len(told):
         lines.append(
-            f"  and {left} more ({'--json FILE has all' if full else '--full tells them'})"
+            f"  and {left} more ({'--json FILE has all' if full else '--full prints them'})"
         )
     return lines
 
@@ -179,18 +177,18 @@ def _checks(validation: Validation, full: bool) -> list[str]:
         )
     off, far = len(motion.off), len(motion.far)
     said.append(
-        f"Motion: {motion.checked:,} steps of robots that touch nothing, held against the arcs of "
+        f"Motion: {motion.checked:,} steps of robots that touch nothing, compared with the arcs of "
         f"their applied commands: {f'{off} DIFFER' if off else f'all agree within {ONE_STEP:g} m'}."
     )
     if motion.held:
         said.append(
-            f"Motion in contact: {motion.held:,} steps held to the energy of the commands: "
-            f"{f'{far} TOO FAR' if far else 'none goes farther'}."
+            f"Motion in contact: {motion.held:,} steps compared with the energy of the commands: "
+            f"{f'{far} TOO FAR' if far else 'none moves farther than it allows'}."
         )
     wrong, made = len(done.mismatches), ""
     if done.replayed:
         kind = validation.run.controller
-        made = f", {done.replayed:,} of them made again by {kind} from what it saw"
+        made = f", {done.replayed:,} of them made again by {kind} from what it sensed"
     result = f"{wrong} {'DIFFER' if wrong > 1 else 'DIFFERS'}" if wrong else "all agree"
     said.append(
         f"Decisions: {done.decisions:,}{made}. Commands, their limits and stages: {result}."
@@ -208,18 +206,18 @@ def _again(validation: Validation) -> Iterator[str]:
     if again is None:
         return
     if again.difference is not None:
-        yield "Simulated again: ANOTHER RUN, see below."
+        yield "Simulated again: A DIFFERENT RUN, see below."
     elif again.same_digest:
-        yield f"Simulated again: the same run to the bit, digest {again.digest}."
+        yield f"Simulated again: the same run, bit for bit, digest {again.digest}."
     elif again.exact:
         yield (
-            f"Simulated again: the same values to the bit in all {again.until:.2f} s that are in "
-            "the record."
+            f"Simulated again: the same values, bit for bit, in all {again.until:.2f} s of the "
+            "record."
         )
     else:
         up_to = "" if again.whole else f", up to the first contact after {again.until:.2f} s"
         yield (
-            "Simulated again by other versions than made the record "
+            "Simulated again with other versions than those that made the record "
             f"({validation.run.setup.made_with or 'unknown'}): the same within {SLACK:g}{up_to}."
         )
 
@@ -315,6 +313,6 @@ def _near_misses(validation: Validation) -> list[str]:
         *rows(near.distances, "m", 4),
         f"  smallest collision times of any two bodies under the commands that both hold, below "
         f"{LOOK:g} s",
-        "  (that of a run's summary is of the robots considered, under the command chosen)",
+        "  (the summary has the one with the robots considered, under the command chosen)",
         *rows(near.times, "s", 3),
     ]

@@ -52,7 +52,7 @@ def _how_hard(one: Contact, names: Sequence[str]) -> str:
         return f"It is {length(one.depth)} deep."
     lasts = f"It lasts {one.duration:.2f} s"
     if one.lasting:
-        lasts = f"It still lasts at the end, after {one.duration:.2f} s"
+        lasts = f"It lasts to the end of the run, {one.duration:.2f} s"
     said = (
         f"{lasts}, {length(one.depth)} deep; impulse {amount(one.first_impulse, 'N s', 1)} at "
         f"first, {amount(one.impulse, 'N s', 1)} in all"
@@ -84,9 +84,9 @@ def _who(one: Contact, names: Sequence[str]) -> str:
     if not why and len(charged) == 1 and charged[0].behind is not None:
         behind, other = charged[0].behind, names[one.a + one.b - charged[0].body]
         if behind > 0.0:
-            why = [f"it was {length(behind)} behind {other}, which so has priority"]
+            why = [f"it was {length(behind)} behind {other}, which has priority"]
         elif behind == 0.0:
-            why = [f"{other}, level with it, has the lower number and so priority"]
+            why = [f"{other} was level with it and has priority by its lower number"]
         else:
             why = [f"it was behind {other} when they touched; they had just changed places"]
     return f"Responsible: {who}{', as ' * bool(why)}{'; '.join(why)}."

@@ -133,7 +133,7 @@ def _read_yaml(drawing: Drawing) -> tuple[RosMap, Path]:
     if document is None or not isinstance(values, dict):
         raise refused(path, f"a map is a mapping of keys: {', '.join(keys)}", 1)
     if {"name", "robots"} <= set(values) and not set(values) & set(keys):
-        message = "is a world of physim already, and no map; physim run takes it as it is"
+        message = "is a world of physim, not a map; use it with physim run"
         raise refused(path, message)
     others = [key for key in values if key not in keys]
     if others and {"image", "resolution", "origin"} <= set(values):

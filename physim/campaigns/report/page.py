@@ -64,34 +64,34 @@ def report_page(report: Report, shown: Sequence[Shown]) -> Html:
         _verdicts(report),
         _section(
             f"The worst runs of each cell{few}",
-            "The severest contacts, by closing speed, energy lost and impulse; then the least "
-            "distances. Each picture is that moment; the command makes the run again, with its "
+            "First the severest contacts, by closing speed, energy lost and impulse; then the "
+            "least distances. Each picture shows that moment; the command repeats the run, with its "
             "record and video.",
             _tiles(report, worst),
         ) if worst else None,
         _section(
             f"Runs that did not finish{few}",
-            "Their time was up before all robots had arrived. Named are those that had not, with "
-            "the number of runs: they stood short of their stops, or still moved. Each picture is "
-            "the end of a run.",
+            "They reached their time limit before all robots had arrived. The table names the "
+            "robots that had not arrived, with the number of runs: they stood short of their "
+            "stops, or still moved. Each picture shows the end of a run.",
             _stacked(text.late_table(report)), _tiles(report, late),
         ) if late else None,
         _section(
             "Runs that crashed",
-            "By an error, the limit of time or a killed worker. They count in every rate, as "
-            "neither contact-free nor finished.",
+            "They ended by an error, at their time limit or with a killed worker. In every rate "
+            "they count as neither contact-free nor finished.",
             _stacked(text.crash_table(report)),
         ) if report.failures else None,
         _section(
             "How close do robots come to each other and to walls?",
-            "The least distance of a whole run, robots and walls, over all physics steps. Below 0, "
-            "left of the dashed line, there was a contact; how far below is no measure of its "
-            "severity. Upright: the share of runs. Cells of a world have the same axes.",
+            "The least distance between two robots, or a robot and a wall, over all physics steps "
+            "of a run. A value below 0, left of the dashed line, is a contact; it does not measure "
+            "how severe. Vertical axis: share of runs. Cells of one world have the same axes.",
             tag("div", _distances(report), class_="tiles"),
         ),
         _section(
             "Times and other measures",
-            "Over runs that have a value; of how many, where not of all.",
+            "Over the runs that have a value; the last column says how many, if not all have one.",
             _stacked(text.measure_table(report, (*MEASURES, *report.outcomes.own))),
         ),
         _section("How this was found", text.EXACT if report.goal is None else text.SEQUENCE),

@@ -50,7 +50,7 @@ def sweep_text(folder: Path, outcomes: Outcomes, draws: Mapping[Label, str], tal
         lines += ["to look at:", *(f"  {run_name(row)}: {what_came(row)}" for row in shown)]
         if (more := len(rows) - len(shown)) > 0:
             lines.append(f"  … and {more:,} more: physim report {shlex.quote(str(folder))}")
-        lines.append(f"the first of them watched: {replay(str(folder), outcomes, shown[0])}")
+        lines.append(f"to watch the first: {replay(str(folder), outcomes, shown[0])}")
     return "\n".join(lines) + "\n"
 
 

@@ -36,29 +36,29 @@ LEAST_WIDTH = 80
 """Signs that a table may take in the narrowest terminal"""
 EXACT = (
     "95 % intervals are exact (Clopper and Pearson), for a number of runs fixed in advance. They "
-    "do not hold where a campaign was stopped because of what it showed; those of physim sweep "
-    "--until do. Each holds for itself, not all at once. Where no run went wrong, the bound is "
+    "are not valid if a campaign was stopped because of its results; those of physim sweep --until "
+    "are. Each interval is valid by itself, not all at once. Where no run failed, the bound is "
     "one-sided."
 )
 SEQUENCE = (
-    "95 % intervals are a confidence sequence (beta-binomial mixture), which holds at every look. "
-    "This campaign (sweep --until) was looked at after every run; exact intervals, for a number of "
-    "runs fixed in advance, would be narrower and would not hold. Of each cell the first runs that "
-    "decide count, in the order of seeds."
+    "95 % intervals are a confidence sequence (beta-binomial mixture), which is valid at every "
+    "look. This campaign (sweep --until) looked at its results after every run. Exact intervals, "
+    "for a number of runs fixed in advance, would be narrower but not valid. In each cell only the "
+    "runs up to the decision count, in the order of seeds."
 )
 PAIRED = (
-    "Differences are B minus A on the same seeds, with 95 % intervals that hold each for itself, "
-    "for a number of seeds fixed in advance: of rates in percentage points (conservative, from "
-    "exact parts), of measures the median of the differences (order statistics). The better one is "
-    "that which succeeds alone (rates) or has the better value (measures) with more seeds; ties "
-    "are left out. That is tested, exactly and on two sides (McNemar's test, the sign test). "
-    f"p is corrected for all findings that {FEWEST_PAIRS} pairs or more tell of (Holm), and a "
-    f"difference is shown where it is at most {ALPHA:g} (and the interval of a rate leaves out 0). "
-    "That none is shown does not mean that there is none: the interval says how large it may be."
+    "Differences are B minus A on the same seeds. Rates differ by percentage points (conservative "
+    "interval, from exact parts), measures by the median of the differences (interval by order "
+    "statistics). Each 95 % interval is valid by itself, for a number of seeds fixed in advance. "
+    "The better one succeeds alone (rates) or has the better value (measures) with more seeds; "
+    "ties are left out. The tests are exact and two-sided (McNemar's test, the sign test). p is "
+    f"corrected for the number of findings with at least {FEWEST_PAIRS} pairs (Holm). A difference "
+    f"is shown if p is at most {ALPHA:g} and, for a rate, the interval does not contain 0. If none "
+    "is shown, there may still be one: the interval says how large it may be."
 )
 LOOKED = (
-    "A campaign was stopped because of what it showed (sweep --until): intervals and p values are "
-    "then too sure; compare campaigns of a number of runs fixed in advance."
+    "A campaign was stopped because of its results (sweep --until): its intervals are too narrow "
+    "and its p values too small here; compare campaigns with a number of runs fixed in advance."
 )
 
 
@@ -150,14 +150,14 @@ def verdict(report: Report, one: CellReport) -> list[str]:
 def note_of(rate: Rate) -> str:
     """What a single run tells, or what it means that none went wrong; else empty."""
     if rate.of == 1:
-        return "one run: all there is where nothing is random; the interval tells nothing"
+        return "only one run, as nothing is random: the interval has no meaning"
     if rate.at_most is None or rate.needed is None:
         return ""
     more, shown = rate.needed - rate.of, percent(SHOWN)
-    few = f"at most {percent(rate.at_most, None, 1)} go wrong"
+    few = f"at most {percent(rate.at_most, None, 1)} fail"
     if more > 0:
-        return f"{few} ({count(more)} more, none of which does, would show {shown})"
-    return f"{few}, which shows {shown}"
+        return f"{few} ({count(more)} more runs without a failure would show {shown})"
+    return f"{few}: {shown} is shown"
 
 
 def over_seeds(runs: int, draws: str) -> str:
@@ -403,7 +403,7 @@ def headline(one: Comparison) -> str:
         if max(tested) >= needed:
             return "no difference shown"
         findings = plural(len(tested), "finding")
-        return f"no difference shown: among {findings} it takes at least {needed} pairs to show one"
+        return f"no difference shown: {findings} need at least {needed} pairs to show one"
     return "; ".join([*said, *([f"no difference shown in {rest}"] if rest else [])])
 
 
@@ -411,7 +411,7 @@ def told(one: Comparison) -> str:
     """How many seeds are compared, and what is left out."""
     text = f"{plural(one.seeds, 'seed')} in common"
     if one.seeds == 1:
-        text += ": where nothing in the world is random it is all there is"
+        text += ": nothing in the world is random"
     for name, arm in (("A", one.a), ("B", one.b)):
         if arm.alone:
             only = f"{count(len(arm.alone))} that only {name} has are left out"

@@ -19,50 +19,53 @@ from physim.record.setup import Part
 EQUATION = re.compile(r"\(\d+[a-z]?\)")
 
 STEERS = (
-    "Of its rotational speeds it takes the one that brings it nearest to its target, the point of "
-    "its path a little ahead of it"
+    "It chooses the rotational speed that brings it nearest to its target, a point of its path a "
+    "little ahead of it"
 )
 PROSE = MappingProxyType(
     {
         "mode_switching": {
             "path_following": (
-                f"Nothing is near enough to keep clear of, so it follows its path. {STEERS}; its "
-                "forward speed "
+                f"No robot or wall is too near, so it follows its path. {STEERS}; its forward "
+                "speed "
             ),
-            "plan": "It goes on with the speeds that it planned at an earlier decision.",
+            "plan": "It continues with the speeds that it planned at an earlier decision.",
             "distance": (
-                "Something is very near. Of all its speeds it takes those after which the smallest "
-                "distance to the robots ahead, and to walls close by, is largest."
+                "Something is very near. It chooses the speeds after which the smallest distance "
+                "to the robots ahead and to near walls is largest."
             ),
             "time": (
-                "It keeps clear of what it would touch first. Of all its speeds it takes those "
-                "that put the earliest collision off the longest; among equals, those that serve "
-                "its path best."
+                "It keeps clear of what it would touch first. It chooses the speeds for which the "
+                "first collision comes latest; among equal ones, those that follow its path best."
             ),
-            "stop": "It has come to its stop and stands there; nothing is left to decide.",
+            "stop": "It has reached its stop and stands there; it needs no further decision.",
         },
         "path_following": {
-            "path_following": f"It follows its path, deaf to all others. {STEERS}.",
-            "stop": "It has come to its stop and stands there.",
+            "path_following": f"It follows its path and ignores robots and walls. {STEERS}.",
+            "stop": "It has reached its stop and stands there.",
         },
     }
 )
 """By controller and rule: what the rule does, for people who do not know the paper."""
 IN_FORMATION = (
-    "comes from the formation: who has fallen behind drives faster, who is too far ahead slower."
+    "comes from the formation: robots that are behind drive faster, robots too far ahead slower."
 )
-ALONE = "is the one of its settings, as there is no formation."
+ALONE = "is that of its settings, as there is no formation."
 """How the forward speed comes about that the rule of path following of `PROSE` leaves open."""
 NEXT = MappingProxyType(
     {
         "mode_switching": (
-            "(14)", "{beta:g} times the collision time, and at the latest after {longest:g} s"
+            "(14)", "after {beta:g} times the collision time, at most {longest:g} s"
         )
     }
 )  # fmt: skip
 """By controller: the equation that sets the time of the next decision, and what it says"""
 PRIORITY = MappingProxyType(
-    {"mode_switching": "It considers only robots ahead of it along the reference path, in range."}
+    {
+        "mode_switching": (
+            "It considers only robots in range that are ahead of it along the reference path."
+        )
+    }
 )
 """By controller: whom a robot has to look at"""
 
@@ -87,7 +90,7 @@ def _prose(record: Record, part: Part) -> dict[str, str]:
     if part.name == "mode_switching":
         prose["path_following"] += IN_FORMATION if record.world_settings.get("formation") else ALONE
     if settings_of(part).get("avoidance") == "none" and "path_following" in prose:
-        prose["path_following"] = f"It keeps clear of nothing: avoidance is off. {STEERS}."
+        prose["path_following"] = f"Avoidance is off: it does not keep clear of anything. {STEERS}."
     return prose
 
 

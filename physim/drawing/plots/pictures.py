@@ -100,7 +100,7 @@ def draw(
     for name in only:
         if name not in known:
             close = nearest(name[:100], list(known))
-            raise PhysimError(f'no picture is called "{name}"; there are {", ".join(known)}{close}')
+            raise PhysimError(f'no figure is called "{name}"; allowed: {", ".join(known)}{close}')
     load_matplotlib()  # the module of a picture that a package registered may import it
     own = {name: own_part(_plot(), name, NAMES) for name in only if name not in PICTURES}
     try:

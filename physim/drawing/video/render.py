@@ -177,7 +177,7 @@ class Beside:
         canvas.write(words, (right, 26), TITLE, colour=colour, weight=BOLD, anchor="right")
         words = f"{timeline.arrived(time)} of {timeline.robots} finished"
         if held:
-            words = f"ended at {end:.1f} s, its last picture: {words}"
+            words = f"ended at {end:.1f} s, last picture: {words}"
             words = shorten(words, TEXT, ENDED - PAD, BOLD)
             left, (top, bottom) = right - width(words, TEXT, BOLD) - PAD // 2, BANNER
             canvas.area(left, top, right + PAD // 2 - 1, bottom - 1, palette.INK)
@@ -361,8 +361,8 @@ def render(
     is_early, start, end = start < 0.0, max(start, begin), min(end, last)
     if is_early or (not start < end and (start, end) != (begin, begin)):
         raise PhysimError(
-            f"from {start:g} s to {end:g} s: nothing to show; allowed: a start of at least 0 s and "
-            f"before the end, in a run from {begin:g} s to {last:g} s"
+            f"from {start:g} s to {end:g} s: nothing to show; the start must be at least 0 s and "
+            f"before the end, and the run is from {begin:g} s to {last:g} s"
         )
     speed = _speed(speed, end - start, kind.longest)
     times = frame_times(start, end, fps, speed)

@@ -230,7 +230,7 @@ def apply_overrides(document: Document, overrides: Sequence[str]) -> Document:
         option = f"--set {describe(key)[1:-1]}"
         at = Position(option, 1, 1, option)
         if not equals or not _OVERRIDE.fullmatch(key):
-            raise refused(at, f"{describe(override)} is not KEY=VALUE, as time.step=0.02")
+            raise refused(at, f"{describe(override)} is not KEY=VALUE, for example time.step=0.02")
         parts = re.findall(r"[^.\[\]]+", key)
         location: Location = tuple(int(p) if re.fullmatch("[0-9]{1,9}", p) else p for p in parts)
         if len(location) > MOST_DEPTH:

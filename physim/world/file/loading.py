@@ -178,7 +178,7 @@ def _with_controller(document: Document, name: str) -> Document:
     if given and own != name:
         text = unused_settings([*given], own, name)
         note = Fault(
-            ("controller",), f"{text} (--set controller.KEY=VALUE gives it its own)", "warning"
+            ("controller",), f"{text} (set its own with --set controller.KEY=VALUE)", "warning"
         )
         document, given = replace(document, warnings=(*document.warnings, note)), {}
     document = replace(document, values={**document.values, "controller": given})

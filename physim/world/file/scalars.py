@@ -82,7 +82,7 @@ def _pitfall(text: str) -> str:
     if _EXPONENT.fullmatch(text) and not math.isfinite(float(text)):
         return TOO_LARGE
     if _EXPONENT.fullmatch(text):
-        return f"{brief} is a text to many YAML readers; write {_with_dot(text)}"
+        return f"{brief} is text, not a number, for many YAML readers; write {_with_dot(text)}"
     if _OCTAL.fullmatch(text):
         return f"{brief} may be read as octal; write it without leading zeros"
     if _OTHER_BASE.fullmatch(text):

@@ -119,8 +119,8 @@ def _stop_stations(paths: Polylines, formation: FormationPlan) -> FloatArray:
 
 
 TO_DRAW = (
-    "to let the seed draw something, write random for the heading of a robot, as in pose: [2.0, "
-    "0.0, random], or start: {region: [corners]} in place of its pose"
+    "to use the seed, write random as the heading of a robot, for example pose: [2.0, 0.0, "
+    "random], or start: {region: [corners]} instead of its pose"
 )
 """What to do about a world in which nothing is random"""
 

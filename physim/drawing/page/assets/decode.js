@@ -17,7 +17,7 @@ export async function unpack(text) {
 /** Whole numbers: byte planes, zigzag, sums of differences. */
 function whole(bytes, about) {
   const { at, n, planes, order } = about;
-  if (at + n * planes > bytes.length) throw new RangeError("the data of this page break off");
+  if (at + n * planes > bytes.length) throw new RangeError("the data of this page are incomplete");
   const numbers = new Int32Array(n);
   for (let k = 0; k < n; k++) {
     let zigzag = 0;
@@ -34,7 +34,7 @@ const SPECIAL = [0, NaN, Infinity, -Infinity];
 
 /** Floats whose bytes stand in planes, lowest first. */
 function floats(bytes, { at, n }) {
-  if (at + 8 * n > bytes.length) throw new RangeError("the data of this page break off");
+  if (at + 8 * n > bytes.length) throw new RangeError("the data of this page are incomplete");
   const view = new DataView(new ArrayBuffer(8));
   return Float64Array.from({ length: n }, (_, k) => {
     for (let plane = 0; plane < 8; plane++) view.setUint8(plane, bytes[at + plane * n + k]);

@@ -1,15 +1,15 @@
 // Keys: what they do is told in the page, under "keys".
 
 export const KEYS = [
-  ["space", "play or stop"],
+  ["space", "play or pause"],
   ["← →", "0.1 s back, on; with Shift 1 s"],
   ["Home End", "start, end"],
   ["[ ]", "slower, faster"],
-  ["+ −", "closer, farther"],
-  ["0", "the usual look"],
+  ["+ −", "zoom in, zoom out"],
+  ["0", "reset the view"],
   ["n p", "next, previous robot"],
   ["f", "follow the chosen robot"],
-  ["Esc", "choose nothing"],
+  ["Esc", "clear the choice"],
 ];
 
 export function listenToKeys(does) {

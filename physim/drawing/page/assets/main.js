@@ -55,7 +55,7 @@ class Page {
       "aria-label": `${run.label}: ${run.robots} robots from above. The tables below say what happened.`,
     });
     const title = el("h2", { class: "title" }, run.label);
-    const over = el("p", { class: "over", hidden: "" }, `ended at ${run.duration.toFixed(1)} s, its last picture`);
+    const over = el("p", { class: "over", hidden: "" }, `ended at ${run.duration.toFixed(1)} s, last picture`);
     const box = el("div", { class: "view" }, this.runs.length > 1 ? [title, over] : null, canvas);
     byId("views").append(box);
     const view = new View(run, canvas);
@@ -85,7 +85,7 @@ class Page {
     const looks = [["whole", "all of the scene"], ["robots", "all robots"]];
     const robots = this.runs[0].names.slice(0, Math.min(this.runs[0].robots, 200));
     this.looks = el(
-      "select", { "aria-label": "what to follow", change: () => this.look(this.looks.value) },
+      "select", { "aria-label": "follow", change: () => this.look(this.looks.value) },
       [...looks, ...robots.map((name, k) => [k, name])].map(([value, words]) => el("option", { value }, words)),
     );
     this.playing = button("▶", () => player.toggle(), { class: "play", "aria-label": "play" });
@@ -108,7 +108,7 @@ class Page {
     );
     const exact = Math.max(...this.runs.map((run) => run.header.tolerance)) * 1000;
     byId("keys").append(
-      el("p", { class: "quiet" }, `Robots are drawn to within ${exact} mm of where the record has them.`),
+      el("p", { class: "quiet" }, `Robots are drawn within ${exact} mm of their recorded positions.`),
     );
     this.scrub = byId("scrub");
     this.scrub.min = String(this.begin);
@@ -289,7 +289,7 @@ class Page {
     const box = byId("why");
     box.hidden = false;
     if (!found) {
-      const hint = "Why? Click a robot or the cross of a contact, or choose ";
+      const hint = "Click a robot or the cross of a contact to see why it happened, or choose ";
       box.replaceChildren(el("p", { class: "hint" }, hint, this.chooser()));
       return;
     }
@@ -324,7 +324,7 @@ async function start() {
   } catch (error) {
     byId("app").hidden = true;
     state.className = "fault";
-    say(state, `The run cannot be shown: ${error.message}. The tables below hold what was measured.`);
+    say(state, `The run cannot be shown: ${error.message}. The tables below have the results.`);
   }
 }
 

@@ -67,12 +67,12 @@ export function because(view, robot, row, mode, rule) {
     .map((one) => told(one, one.column === "distance" ? nearest(view, robot, row) : ""));
   const time = states.find((one) => one.column === "collision_time");
   if (!near.length && time) {
-    const until = `${time.wasDanger ? "no later than" : "in less than"} ${seconds(time.limit)} from then`;
-    near.push(`by the command it would take in safe mode it would touch a robot or wall ${until}`);
+    const until = `${time.wasDanger ? "within" : "in less than"} ${seconds(time.limit)}`;
+    near.push(`with its safe-mode command it would touch a robot or a wall ${until}`);
   }
   if (!states[0].wasDanger) return `${does}, because ${near.join(" and ")}.`;
   const clear = states.map(({ column, limit }) => `${SEEN[column]} above ${amount(limit, unitOf(column))}`);
-  return `${does}. It stays in danger until all are clear (${clear.join(", ")}): ${near.join(" and ")}.`;
+  return `${does}. It leaves danger mode only when all of these hold: ${clear.join(", ")}. But ${near.join(" and ")}.`;
 }
 
 const unitOf = (column) => (column === "collision_time" ? "s" : "m");
@@ -140,9 +140,9 @@ function seenTable(run, row, mode) {
     const bound = amount(one.limit, unitOf(one.column)) + (one.ofWall ? " (a boundary)" : "");
     return [one.isShort && !isNew ? "short" : "", SEEN[one.column] + (isNew ? " (under its new command)" : ""), saw(run, row, one), bound];
   });
-  const heads = ["it saw", states[0].wasDanger ? "safe again above" : "danger below"];
+  const heads = ["it sensed", states[0].wasDanger ? "safe again above" : "danger below"];
   const top = el("thead", {}, el("tr", {}, el("td", {}), heads.map((words) => el("th", { scope: "col" }, words))));
-  return tableOf("seen", "What it saw, and its thresholds", rows, top);
+  return tableOf("seen", "What it sensed, and its thresholds", rows, top);
 }
 
 function factTable(run, robot, row, go, time) {
@@ -208,7 +208,7 @@ export function whyContact(view, k, go) {
   const safe = said.safe === null ? null : el(
     "p", {}, "Last safe moment: just before ",
     button(seconds(said.safe), () => go({ time: said.safe }), { class: "link" }),
-    ". From there on the contact lay ahead at every decision.",
+    ". From then on, every decision led to the contact.",
   );
   return [title, ...said.lines.map((line) => el("p", {}, line)), safe, jump];
 }

@@ -94,7 +94,8 @@ def kind(schema: dict[str, Any], s: str = "") -> str:
     """What a key takes, by its JSON Schema: ``number > 0``, a link to a mapping; many with an s."""
     if "$ref" in schema:
         name = slug(schema["$ref"].rpartition("/")[2])
-        return f"[{name.replace('-', ' ')}{s}](#key-{name})"
+        many = "es" if s and name.endswith("x") else s
+        return f"[{name.replace('-', ' ')}{many}](#key-{name})"
     if options := schema.get("anyOf") or schema.get("oneOf"):
         return " or ".join(kind(one, s) for one in options if one.get("type") != "null")
     if words := schema.get("enum") or ("const" in schema and [schema["const"]]):

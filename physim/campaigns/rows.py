@@ -102,13 +102,15 @@ class Row:
     grazes: Count | None = None
     first_contact: Size | None = None
     first_contact_pair: Annotated[
-        str, Column('names of the two in the first contact, as "r1, r2"')
+        str, Column('names of the two bodies in the first contact, as "r1, r2"')
     ] = ""
     deepest_contact: Size | None = None
     closing_speed: Size | None = None
     energy_lost: Size | None = None
     impulse: Size | None = None
-    severest_contact_pair: Annotated[str, Column("names of the two in the severest contact")] = ""
+    severest_contact_pair: Annotated[
+        str, Column("names of the two bodies in the severest contact")
+    ] = ""
     severest_contact_time: Annotated[
         Size | None, Column("when the severest contact began", "s")
     ] = None
@@ -118,10 +120,12 @@ class Row:
         Signed | None,
         Column("shortest distance of a robot to a robot or wall; negative = depth", "m"),
     ] = None
-    least_distance_pair: Annotated[str, Column("names of the two that were nearest")] = ""
-    least_distance_time: Annotated[Size | None, Column("when they were nearest", "s")] = None
+    least_distance_pair: Annotated[str, Column("names of the two bodies at least_distance")] = ""
+    least_distance_time: Annotated[Size | None, Column("time of least_distance", "s")] = None
     shortest_collision_time: Annotated[float, Field(ge=0.0)] | None = None
-    shortest_collision_time_pair: Annotated[str, Column("name of the robot that decided then")] = ""
+    shortest_collision_time_pair: Annotated[
+        str, Column("name of the robot that made that decision")
+    ] = ""
     shortest_collision_time_time: Annotated[Size | None, Column("time of that decision", "s")] = (
         None
     )
@@ -141,10 +145,10 @@ class Row:
     decisions: Count | None = None
     messages: Count | None = None
     cpu_seconds: Annotated[Size | None, Column("processor time that the run took", "s")] = None
-    wall_seconds: Annotated[Size | None, Column("time by the clock that the run took", "s")] = None
+    wall_seconds: Annotated[Size | None, Column("wall-clock time that the run took", "s")] = None
     verdict: Annotated[str, Column("verdict of the validation (sweep --validate)")] = ""
     unexplained: Annotated[
-        Count | None, Column("disagreements of the validation without a cause", "-")
+        Count | None, Column("number of unexplained disagreements of the validation", "-")
     ] = None
     record: Annotated[Kept, Column("path in the folder of a record that was kept")] = ""
     world_hash: Annotated[Hash, Column("hash of the effective world without its seed")] = ""

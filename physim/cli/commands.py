@@ -37,7 +37,7 @@ GROUPS = {
             "check that a controller keeps the rules of every run",
         ),
         "crashtest": (
-            "crashtest:crashtest", "compare the engine with exact geometry on random shapes",
+            "crashtest:crashtest", "compare engine and exact geometry on random shapes",
         ),
     },
     "author": {

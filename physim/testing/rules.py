@@ -50,30 +50,30 @@ class Rule(StrEnum):
     """What every controller keeps to."""
 
     RAISES = "raises"
-    """it raises nothing when it decides"""
+    """it raises no exception when it decides"""
     DECISION = "decision"
     """it returns a decision that a run can take: numbers, within limits, fit for the record"""
     REPEATS = "repeats"
     """the same settings, observation and memory give the same decision"""
     STATE = "state"
-    """what one decision leaves for the next is in its memory: on the object, its class or its
-    module nothing changes"""
+    """a decision leaves something for the next one only in its memory: its object, class and module
+    do not change"""
     ORDER = "order"
-    """nothing depends on the order in which robots are asked, nor on who else is"""
+    """a decision does not depend on which other robots decide, or in which order"""
     MEMORY = "memory"
-    """the memory that is handed over is left as it is"""
+    """it does not change the memory that it gets"""
     COPIES = "copies"
     """memory can be deep-copied and pickled, and a copy gives the same decision"""
     OBSERVATION = "observation"
-    """nothing is written into what is seen"""
+    """it does not change the observation"""
     FORMS = "forms"
-    """`decide` and `decide_all`, where there are both, decide alike: bit for bit, or within the
-    ``agreement`` that the controller declares"""
+    """`decide` and `decide_all`, if it has both, give the same decisions: bit for bit, or within
+    the ``agreement`` that the controller declares"""
     PORTIONS = "portions"
-    """`decide_all` decides alike in whatever portions and order it is asked for the robots due"""
+    """`decide_all` gives a robot the same decision, whichever others are due, in any order"""
     SIGHT = "sight"
-    """it goes by nothing that a robot may not know: robots and walls out of range, but for the
-    stations of formation neighbours"""
+    """it does not use what a robot cannot know: robots and walls out of range, except the stations
+    of formation neighbours"""
 
 
 @dataclass(frozen=True)

@@ -163,7 +163,7 @@ def _message(model: type[BaseModel], location: Location, details: Mapping[str, A
     given, context, kind = details.get("input"), details.get("ctx", {}), str(details["type"])
     of_value = field_at(model, location[:-1]) if location else None
     needed = (of_value.description or "") if of_value is not None else ""
-    choice = f"must be: {needed}" if needed and _is_tag(location[-1]) else ""
+    choice = f"needs {needed}" if needed and _is_tag(location[-1]) else ""
     if kind == "missing":
         return "missing; one more number is needed here" + (f": {needed}" if needed else "")
     if kind in _NEEDED:

@@ -41,23 +41,24 @@ class RobotGroup(Model):
         description=f"names; {NUMBER} stands for the number of the robot in the world, from 1",
     )
     footprint: Footprint | None = Field(
-        default=None, description="[m] footprint of all, as of one robot (or give footprints)"
+        default=None,
+        description="[m] footprint of all robots, as for one robot (or give footprints)",
     )
     footprints: Annotated[tuple[Footprint, ...], SEVERAL, Sequence] | None = Field(
         default=None,
-        description="[m] list of footprints, of which the seed draws one for each robot",
+        description="[m] list of footprints; the seed draws one of them for each robot",
     )
     start: Start | None = Field(
         default=None,
         description="region in which the seed places them; without it the world's start",
     )
     path: RobotPath | None = Field(
-        default=None, description="[m] path of all, as of one robot (or give paths)"
+        default=None, description="[m] path of all robots, as for one robot (or give paths)"
     )
     paths: Annotated[tuple[RobotPath, ...], SEVERAL, Sequence] | None = Field(
         default=None,
-        description="[m] list of paths, taken in turn: the first robot has the first, and after "
-        "the last path comes the first again",
+        description="[m] list of paths, used in turn: the first robot has the first path; after "
+        "the last path the list begins again",
     )
     limits: Limits = Field(default=Limits(), description="largest commands of each robot")
     mass: Mass = None

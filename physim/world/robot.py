@@ -35,12 +35,12 @@ class Start(Model):
     """Region in which robots are placed by the seed, whole footprints inside, none touching."""
 
     region: Polygon = Field(
-        description="[m] corners [x, y] of the region that holds the whole footprints at the start"
+        description="[m] corners [x, y] of the region in which whole footprints lie at the start"
     )
     heading: StartHeading = Field(
         default="random",
         description="[rad] heading, counter-clockwise from the x axis; or the word random; or the "
-        "word along: that of the reference path there",
+        "word along: the direction of the reference path there",
     )
     min_gap: Distance = Field(
         default=0.3,
@@ -48,13 +48,13 @@ class Start(Model):
     )
     abreast: Annotated[Whole, Field(ge=1, le=1000)] | None = Field(
         default=None,
-        description="number of robots in a row: robots stand in rows across the reference path, in "
-        "their order, the first row in front; when absent, anywhere in the region",
+        description="number of robots in each row across the reference path; robots stand in their "
+        "order, the first row in front; when absent, anywhere in the region",
     )
     spread: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
         default=1.0,
-        description="[-] with abreast: share of its cell in which a robot is placed, from 0, in "
-        "the middle of it (even rows and columns), to 1, anywhere in it",
+        description="[-] with abreast: part of its cell in which a robot is placed, from 0 (in the "
+        "middle: even rows and columns) to 1 (anywhere in the cell)",
     )
 
 
@@ -141,13 +141,13 @@ class Robot(Model):
     )
     pose: Pose | None = Field(
         default=None,
-        description="[m, m, rad] start x, y and heading (counter-clockwise from the x axis), which "
-        "may be the word random; without it a start region is needed",
+        description="[m, m, rad] start x, y and heading (counter-clockwise from the x axis, or the "
+        "word random); without a pose, a start region is needed",
     )
     start: Start | None = Field(
         default=None,
-        description="region in which the seed places it, instead of a pose; without either, the "
-        "world's start",
+        description="region in which the seed places the robot, instead of a pose; without both, "
+        "the world's start",
     )
     path: RobotPath = Field(
         description="[m] waypoints [x, y], or {offset} from the reference path, left positive"
@@ -195,8 +195,8 @@ class Formation(Model):
         either("<word>", "<list>"),
     ] = Field(
         default="initial",
-        description="[m] wanted lead of each robot over the first along the reference path, "
-        "the first being 0; or the word initial: as they start",
+        description="[m] wanted lead of each robot over the first robot along the reference "
+        "path (0 for the first); or the word initial: the leads at the start",
     )
     range: Length = Field(
         default=10.0,

@@ -88,8 +88,8 @@ class Sensing(Model):
 
     range: Length | None = Field(
         default=None,
-        description="[m] within which robots see and consider others and walls; "
-        f"formation.range when absent, {DEFAULT_RANGE:g} without a formation",
+        description="[m] distance within which robots sense other robots and walls; when absent, "
+        f"formation.range, or {DEFAULT_RANGE:g} without a formation",
     )
     stages: Choices = Field(default=(), description="parts that change what is sensed, in order")
 
@@ -114,7 +114,7 @@ OfRobots = Annotated[
     Annotated[OwnController, BeforeValidator(nested_choice)] | None,
     Field(
         description="controller of this robot or group, as {type: NAME, KEY: VALUE}, instead of "
-        "the world's, of which it takes no settings"
+        "the world's; settings of the world's controller do not apply to it"
     ),
 ]
 
@@ -127,7 +127,7 @@ class Time(Model):
         description="[s] length of the run, a whole number of steps"
     )
     record_every: Annotated[Whole, Field(ge=1, le=1_000_000)] = Field(
-        default=1, description="[steps] from one recorded sample to the next"
+        default=1, description="[steps] steps from one recorded sample to the next"
     )
 
     @property
@@ -145,8 +145,8 @@ class Arrival(Model):
 
     tolerance: Distance = Field(
         default=0.1,
-        description="[m] a robot that stands has arrived this near its stop station along its "
-        "path, before it or past it",
+        description="[m] a robot that stands has arrived if it is this near its stop station along "
+        "its path, before or past it",
     )
 
 
@@ -158,9 +158,8 @@ class Physics(Model):
     )
     elasticity: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
         default=0.0,
-        description="[-] share of the closing speed that an impact gives back, 0 to 1; it changes "
-        "impulse and energy, but robots follow their commands again at once and are not seen to "
-        "bounce",
+        description="[-] coefficient of restitution, 0 to 1; it changes impulse and energy of an "
+        "impact, but robots do not bounce, because they follow their commands again at once",
     )
 
 

@@ -69,7 +69,7 @@ def test_plot_draws_beside_the_record(here: Path, capsys) -> None:
     assert refused.code == 2
     check_error(refused.err, "modes.svg:", "exists", "--force", "-o")
     unknown = physim("plot", "record.h5", "--only", "distance", capture=capsys)
-    check_error(unknown.err, "no picture is called", '"distance"', ", ".join(NAMES), '"distances"')
+    check_error(unknown.err, "no figure is called", '"distance"', ", ".join(NAMES), '"distances"')
 
 
 def test_a_controller_without_findings(monkeypatch: pytest.MonkeyPatch, capsys) -> None:

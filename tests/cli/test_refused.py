@@ -135,7 +135,7 @@ TOGETHER: Table = {
     ("compare", "x", "--by", "controller", "--only", "finish"): ("--only", "given: finish; did"),
     ("plot", "x", "--only", "modes", "--snapshots", "3"): ("--snapshots", "trajectories"),
     ("plot", "a/record.h5", "--only", "mode"): (
-        "no picture is called", '"mode"', ", ".join(NAMES), '"modes"',
+        "no figure is called", '"mode"', ", ".join(NAMES), '"modes"',
     ),
     ("reproduce", "--figure", "1", "--study", "alpha"): ("--study", "--figure"),
     ("video", "x", "--at", "5", "-o", "a.mp4"): ("a.mp4", "still", '"a.png"'),
@@ -150,7 +150,7 @@ TOGETHER: Table = {
      "controller={alpha: 1}"): ("--set controller", "path_following"),
     ("sweep", "ten_robots", "--seeds", "1:3", "--set", "seed=7"): ("--set seed", "--seeds"),
     ("sweep", "three_robots", "--seeds", "1:9", "--until", "rate > x"): (
-        '--until "rate > x":', "RATE < or > NUMBER",
+        '--until "rate > x":', "a width above 0 and below 1",
     ),
     ("sweep", "three_robots", "--seeds", "1:9", "--until", "2"): (
         "--until 2:", "0.02", "contact_free",

@@ -150,7 +150,7 @@ def test_a_campaign_with_a_goal_is_reported_and_compared_as_such(tmp_path: Path,
     )
     done = physim("compare", tmp_path / "c", "--by", "controller", capture=capsys)
     assert done.code == 0
-    assert "too sure" in done.out
+    assert "stopped because of its results" in done.out
 
 
 def test_compare_writes_a_page_and_values(made: Path, tmp_path: Path, capsys) -> None:

@@ -65,8 +65,8 @@ def report_page(report: Report, shown: Sequence[Shown]) -> Html:
         _section(
             f"The worst runs of each cell{few}",
             "First the severest contacts, by closing speed, energy lost and impulse; then the "
-            "least distances. Each picture shows that moment; the command repeats the run, with its "
-            "record and video.",
+            "least distances. Each picture shows that moment; the command repeats the run, with "
+            "its record and video.",
             _tiles(report, worst),
         ) if worst else None,
         _section(

@@ -141,7 +141,7 @@ def test_who_stays_in_danger_is_told_until_when(
     time = float(rows["step"][after] * ten.dt)
     seen = opened(page_of_ten, hash=f"#t={time}&robot={ten.names[robot]}")
     told = seen.text("#why .because")
-    assert "stays in danger" in told
+    assert "leaves danger mode only when" in told
     assert all(words in told for words in ("nearest robot", "nearest wall", "collision time"))
 
 

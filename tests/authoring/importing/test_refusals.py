@@ -198,7 +198,7 @@ def test_files(tmp_path: Path, name: str) -> None:
 def test_a_world_is_no_map(tmp_path: Path) -> None:
     path = tmp_path / "world.yaml"
     path.write_bytes((shipped_folder() / "straight.yaml").read_bytes())
-    check_says(refusal(path), ": is … a world of physim already")
+    check_says(refusal(path), ": is … a world of physim")
 
 
 def test_folder_and_pipe(tmp_path: Path) -> None:

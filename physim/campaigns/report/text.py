@@ -403,7 +403,7 @@ def headline(one: Comparison) -> str:
         if max(tested) >= needed:
             return "no difference shown"
         findings = plural(len(tested), "finding")
-        return f"no difference shown: {findings} need at least {needed} pairs to show one"
+        return f"no difference shown: among {findings} it takes at least {needed} pairs to show one"
     return "; ".join([*said, *([f"no difference shown in {rest}"] if rest else [])])
 
 

@@ -128,8 +128,8 @@ robots:
         (SAME_STOP, r'"b" stops where "a" does, at \(20, 1.5\)'),
         (SAME_STOP.replace("*box", "{length: 0.4, width: 0.3}"), r'"b" stops where "a" does'),
         (SAME_STOP, r'"b" (stands|still moves).* short .* waits for "a"'),
-        (SAME_STOP.replace("30.0}", "8.0}"), r"time.duration is over, and it needs about \d+ s"),
-        (WALL, r'"r1" stands .* short .* nearest to it is "boundary 1"'),
+        (SAME_STOP.replace("30.0}", "8.0}"), r"time.duration ends too early, it needs about \d+ s"),
+        (WALL, r'"r1" stands .* short .* nearest is "boundary 1"'),
         (LANE, r'"(east|west)" (stands|touches) '),
     ],
     ids=[
@@ -190,7 +190,7 @@ BEHIND = DOOR.replace("pose: [2, 0, 0], path: [[1.5, 0]", "pose: [2, 0, 0], path
 @pytest.mark.parametrize(
     ("text", "given", "told"),
     [
-        (DOOR, "seed=0", r"0\.05 m are left beside it, .* 0\.15 m .*, controller\.boundary_low"),
+        (DOOR, "seed=0", r"0\.05 m beside it, .* 0\.15 m .*controller\.boundary_low"),
         (DOOR, "controller.boundary_low=0.04", "all robots arrive"),
         (
             BEHIND,

@@ -61,24 +61,24 @@ class ModeSwitchingSettings(BaseModel):
     speed: Speed = 1.0
     look_ahead: Positive = Field(
         default=2.0,
-        description="[m] the target lies this far along the path from the projection, (3)",
+        description="[m] distance along the path from the robot's projection to its target, (3)",
     )
     safe_distance: Positive = Field(
         default=1.0, description="[m] L: width of the danger area along the boundaries"
     )
     update_period: Positive = Field(
         default=0.1,
-        description="[s] what a plan of (5) takes, and how far ahead (12) looks (paper: 0.1)",
+        description="[s] duration of a plan of (5), and look-ahead time of (12) (paper: 0.1)",
     )
     dwell_times: Annotated[list[Positive], Field(min_length=1, max_length=LONGEST_PLAN)] = Field(
         default=[0.1],
-        description="[s] tau_1, tau_2, ...: how long each speed pair of a plan holds, (5); they "
-        "add up to update_period",
+        description="[s] tau_1, tau_2, ...: duration of each speed pair of a plan, (5); their sum "
+        "is update_period",
     )
     judge_ahead: NotNegative = Field(
         default=0.5,
-        description="[s] how far ahead (5) judges a plan, its last command held; update_period "
-        "or less: at the end of the plan, as in the paper",
+        description="[s] time ahead at which (5) judges a plan, with its last command held; at "
+        "most update_period: at the end of the plan, as in the paper",
     )
     speeds: Annotated[list[Multiple], Field(min_length=1, max_length=9)] = Field(
         default=[-1.0, 0.0, 1.0],
@@ -91,39 +91,42 @@ class ModeSwitchingSettings(BaseModel):
     )
     reverse_in_safe_mode: bool | None = Field(
         default=None,
-        description="whether safe mode may choose among speeds, too; otherwise it drives at nu, "
-        "and a robot that faces backwards turns round. Left out: not in a formation, where (7) "
-        "sets nu; without one, yes, and robots may stand for ever in bends tighter than they turn",
+        description="whether safe mode may choose the forward speed, too; otherwise it drives at "
+        "nu, and a robot that faces backwards turns round. Default: no in a formation, where (7) "
+        "sets nu; yes without one, but then robots may stand for ever in bends tighter than they "
+        "can turn",
     )
     arrival_tolerance: NotNegative = Field(
         default=0.06,
-        description="[m] a robot this near its stop station along the path has arrived; above "
-        "half of what it moves in update_period, or one free to stand still might stop short",
+        description="[m] distance from its stop station along the path at which a robot has "
+        "arrived; more than half of what it moves in update_period, or it might stop short",
     )
     distance_low: NotNegative = Field(
         default=0.5, description="[m] danger mode below this distance to a considered robot"
     )
     distance_high: NotNegative = Field(
-        default=0.8, description="[m] back to safe mode only above this"
+        default=0.8, description="[m] safe mode again only above this distance"
     )
     time_low: NotNegative = Field(
         default=1.0, description="[s] danger mode below this collision time"
     )
-    time_high: NotNegative = Field(default=2.0, description="[s] back to safe mode only above this")
+    time_high: NotNegative = Field(
+        default=2.0, description="[s] safe mode again only above this collision time"
+    )
     boundary_low: NotNegative = Field(
         default=0.15, description="[m] danger mode below this distance to a boundary, safe above it"
     )
     boundary_time_high: NotNegative | None = Field(
         default=None,
-        description="[s] a boundary ahead keeps danger mode up to this collision time; left out: "
-        "up to time_high, by which a robot that had to stop before a corner may stand there for "
-        "ever. From time_low to time_high",
+        description="[s] collision time with a boundary up to which danger mode stays, from "
+        "time_low to time_high; default time_high, with which a robot that stopped before a corner "
+        "may stand there for ever",
     )
     avoidance: Literal["distance_first", "time_first", "distance", "time", "none"] = Field(
         default="distance_first",
-        description="which rule applies in danger mode: (12) below distance_low or boundary_low, "
-        "else (13); (13) while a collision time is short, else (12); (12) alone; (13) alone; or "
-        "none: no danger mode, to compare with",
+        description="which rule applies in danger mode: distance_first is (12) below distance_low "
+        "or boundary_low, else (13); time_first is (13) while a collision time is short, else "
+        "(12); distance is (12) alone; time is (13) alone; none: no danger mode, as a baseline",
     )
     beta: Annotated[float, Field(gt=0.0, lt=1.0)] = Field(
         default=0.1,
@@ -131,22 +134,22 @@ class ModeSwitchingSettings(BaseModel):
     )
     event_triggered: bool = Field(
         default=True,
-        description="whether a short collision time brings the next decision forward, (14); "
-        "otherwise every decision holds for longest_interval, whatever beta",
+        description="whether a robot decides earlier if the collision time is short, (14); "
+        "otherwise every decision holds for longest_interval, and beta has no effect",
     )
     longest_interval: Positive | None = Field(
         default=None,
-        description="[s] longest time between two decisions, to which a plan is stretched: at "
-        "update_period (14) only shortens intervals, above it adapts them; twice update_period "
-        "where it is not given",
+        description="[s] longest time between two decisions; a longer one than update_period "
+        "stretches the plan in time, so that a robot in no danger decides less often; default "
+        "twice update_period",
     )
     horizon: Positive = Field(
         default=10.0, description="[s] collision times beyond this count as none (inf)"
     )
     collision_motion: Literal["arc", "translation"] = Field(
         default="arc",
-        description="motion that collision times assume: present (nu, omega) kept, or present "
-        "velocity vectors kept without turning",
+        description="motion that collision times assume: arc keeps the present (nu, omega), "
+        "translation keeps the present velocity vectors, without turning",
     )
 
     @model_validator(mode="after")

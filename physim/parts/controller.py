@@ -59,11 +59,11 @@ class ObservedRobot:
     omega: float
     """held command [rad/s]"""
     velocity: FloatArray
-    """(3,) what it did over the last step: vx, vy [m/s], omega [rad/s], world frame"""
+    """(3,) real motion over the last step: vx, vy [m/s], omega [rad/s], world frame"""
     station: float
     """[m] along the reference path"""
     time: float
-    """[s] when this was true, as far as is known"""
+    """[s] time of this state, as far as it is known"""
 
 
 @dataclass(frozen=True)
@@ -89,11 +89,11 @@ class Wall:
     points: FloatArray
     """(n, 2) [m] corners, world frame: two of a segment, else counter-clockwise"""
     before: int | None
-    """index of the piece that joins at the first point of a segment, None: no other"""
+    """index of the piece that joins at the first point of a segment; None: there is none"""
     after: int | None
     """the same at its last point"""
     free: Literal["left", "right", "outside"] | None
-    """where robots may be: left or right of a segment on the way from its first point to its last,
+    """where robots may be: left or right of a segment, seen from its first point to its last, or
     outside a part of an obstacle; None: on both sides"""
 
 
@@ -118,7 +118,7 @@ class Observation:
     omega: float
     """held command before this decision [rad/s]"""
     velocity: FloatArray
-    """(3,) what the robot did over the last step, whatever was commanded: vx, vy [m/s], omega
+    """(3,) real motion over the last step, which may differ from the command: vx, vy [m/s], omega
     [rad/s], world frame; 0 at the start"""
     footprint: tuple[FloatArray, ...]
     """own convex parts (n, 2) [m], robot's frame"""
@@ -142,9 +142,9 @@ class Observation:
     """pieces of boundaries and obstacles within ``range`` of the reference point, in the world's
     order"""
     range: float
-    """[m] from the own reference point, within which it senses robots and walls"""
+    """[m] distance from the own reference point within which it senses robots and walls"""
     dt: float
-    """[s] physics step: no command holds for less"""
+    """[s] physics step; a command holds for at least one"""
     formation: FormationView
     """settings of the formation that all its robots know"""
     speeds: tuple[float, ...] | None = None
@@ -210,14 +210,14 @@ class Decision:
     omega: float
     """[rad/s] counter-clockwise"""
     hold: float
-    """[s] until the next decision, rounded down to physics steps, at least one: 0 is every step,
-    inf never again"""
+    """[s] until the next decision, rounded down to whole physics steps, but at least one step; inf:
+    never decide again"""
     mode: str | Mode | None = None
-    """one of the declared modes, by name or itself"""
+    """a declared `Mode`, or its name"""
     memory: Any = None
-    """comes back at the next decision; any value that can be pickled"""
+    """given to the next decision of this robot; any value that can be pickled"""
     rule: str | Rule | None = None
-    """one of the declared rules, by name or itself"""
+    """a declared `Rule`, or its name"""
     considered: Sequence[int] = ()
     """indices of the robots that the decision took into account"""
     report: Mapping[str, float] = field(default_factory=dict)
@@ -312,9 +312,9 @@ class Sensed(NamedTuple):
     pose: FloatArray
     """(M, 3) x, y [m], heading [rad], world frame"""
     command: FloatArray
-    """(M, 2) v [m/s], omega [rad/s]: nominal command held before this step, what was wanted"""
+    """(M, 2) v [m/s], omega [rad/s]: nominal command held before this step"""
     velocity: FloatArray
-    """(M, 3) what the body did over the last step: vx, vy [m/s], omega [rad/s], world frame"""
+    """(M, 3) real motion over the last step: vx, vy [m/s], omega [rad/s], world frame"""
     reference_station: FloatArray
     """(M,) [m] along s*"""
     age: FloatArray

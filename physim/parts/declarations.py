@@ -52,9 +52,9 @@ class Mode:
     colour: Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
     """``#rrggbb``"""
     words: Words = ""
-    """as people read it; the name where it is empty"""
+    """text for people; if empty, the name"""
     danger: bool = False
-    """whether the robot keeps clear of something: such decisions make the share of danger mode"""
+    """whether the robot avoids something in this mode; the share of danger mode counts it"""
 
     def __str__(self) -> str:
         """Words that people read."""
@@ -67,9 +67,9 @@ class Rule:
 
     __pydantic_config__: ClassVar[ConfigDict] = CHECKED
     name: Name
-    """a word, as of a mode"""
+    """a word of small letters, digits and _"""
     words: Words = ""
-    """as people read it; the name where it is empty"""
+    """text for people; if empty, the name"""
 
     def __str__(self) -> str:
         """Words that people read."""
@@ -82,7 +82,7 @@ class Column:
 
     __pydantic_config__: ClassVar[ConfigDict] = CHECKED
     name: Name
-    """a word, as of a mode"""
+    """a word of small letters, digits and _"""
     unit: Words = "-"
     """``-`` for shares and counts"""
     words: Words = ""

@@ -327,7 +327,7 @@ class Layout(Attributes):
     )
     lead = Dataset[FloatArray](
         "/robots/lead", "N", "<f8",
-        "wanted lead over the first robot along the reference path", "m", -FAR, FAR,
+        "desired lead over the first robot along the reference path", "m", -FAR, FAR,
     )  # fmt: skip
     shapes = _shapes(
         "/footprints", "N+1", 3, "corners of the convex parts of robots, in their frames"

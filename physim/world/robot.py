@@ -195,7 +195,7 @@ class Formation(Model):
         either("<word>", "<list>"),
     ] = Field(
         default="initial",
-        description="[m] wanted lead of each robot over the first robot along the reference "
+        description="[m] desired lead of each robot over the first robot along the reference "
         "path (0 for the first); or the word initial: the leads at the start",
     )
     range: Length = Field(

@@ -1,8 +1,8 @@
 """The site builds without a warning, and every command and block of code on its pages runs.
 
 A page's blocks of sh, python and yaml run in order in one empty folder, as a reader would try them;
-a line ``cd FOLDER`` holds for later blocks, too. One with a title (``yaml title="world.yaml"``) is a
-file. ``text`` is what the block before prints, line by line, apart from lines with "…". A command
+a line ``cd FOLDER`` holds for later blocks, too. One with a title (``yaml title="world.yaml"``) is
+a file. ``text`` is what the block before prints, line by line, apart from lines with "…". A command
 whose comment says "exits with 1" does. A block below a line ``<!-- not run: why -->`` is not run.
 """
 

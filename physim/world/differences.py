@@ -9,17 +9,18 @@ import yaml
 
 from physim.world.model import World
 
-ABSENT = "not given"
-"""Stands for a value that one of the worlds does not give"""
-
 
 def differences(a: World, b: World) -> dict[str, tuple[str, str]]:
     """Values of two worlds that differ, as text, by their dotted keys: of ``a``, then of ``b``.
 
-    Where a part of another name stands in a place, its settings are not counted.
+    A key that a world leaves out has its ``default`` there, an entry of a list is ``none``. Where a
+    part of another name stands in a place, its settings are not counted.
     """
     first, second = (dict(_values(yaml.safe_load(world.to_yaml()))) for world in (a, b))
-    pairs = {key: (first.get(key, ABSENT), second.get(key, ABSENT)) for key in {**first, **second}}
+    pairs = {}
+    for key in {**first, **second}:
+        absent = "none" if any(part.isdigit() for part in key.split(".")) else "default"
+        pairs[key] = first.get(key, absent), second.get(key, absent)
     found = {key: pair for key, pair in pairs.items() if pair[0] != pair[1]}
     others = tuple(key.removesuffix("type") for key in found if key.endswith(".type"))
     return {k: pair for k, pair in found.items() if k.endswith(".type") or not k.startswith(others)}

@@ -209,7 +209,7 @@ def test_what_is_not_declared_or_not_recorded_is_not_told_as_none() -> None:
     label, decided = "danger mode, share of time", [{"step": 0, "robot": 0}]
     for declared, said in (
         (Declared(), "declares no modes,"),
-        (Declared((Mode("go", "#000000"),)), "declares no modes of danger"),
+        (Declared((Mode("go", "#000000"),)), "declares no danger mode"),
     ):
         rows = dict(table_rows(summarise(history(decided, declared=declared))))
         assert re.search(facts("n/a", said), rows[label])

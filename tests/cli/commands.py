@@ -73,10 +73,10 @@ def shell(*arguments: object, folder: Path, **more: str) -> Done:
 
 
 def started(*arguments: object, folder: Path) -> subprocess.Popen[str]:
-    """Start ``python -m physim`` in a folder and go on."""
+    """Start ``python -m physim`` in a folder, in a group of its own as a shell does, and go on."""
     return subprocess.Popen(
         command(arguments), cwd=folder, text=True, env=environment(),
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
     )  # fmt: skip
 
 

@@ -196,7 +196,7 @@ def test_ctrl_c_of_a_process(arguments: tuple[str, ...], ready: str, said: Any, 
         else:
             assert process.stdout is not None
             process.stdout.readline()
-        process.send_signal(signal.SIGINT)
+        os.killpg(process.pid, signal.SIGINT)  # the terminal sends it to all of the group
         _, err = process.communicate(timeout=60)
     finally:
         end(process)

@@ -1,9 +1,9 @@
 """The site builds without a warning, and every command and block of code on its pages runs.
 
-A page's blocks of sh, python and yaml run in order in one empty folder, as a reader would try them.
-One with a title (``yaml title="world.yaml"``) is a file. ``text`` is what the block before prints,
-line by line, apart from lines with "…". A command whose comment says "exits with 1" does. A block
-below a line ``<!-- not run: why -->`` is not run.
+A page's blocks of sh, python and yaml run in order in one empty folder, as a reader would try them;
+a line ``cd FOLDER`` holds for later blocks, too. One with a title (``yaml title="world.yaml"``) is
+a file. ``text`` is what the block before prints, line by line, apart from lines with "…". A command
+whose comment says "exits with 1" does. A block below a line ``<!-- not run: why -->`` is not run.
 """
 
 from __future__ import annotations
@@ -121,11 +121,11 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
 def test_every_block_of_a_page_does_what_it_says(page: Path, tmp_path: Path) -> None:
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     env = {**os.environ, "PATH": path, "PYTHONPATH": "."}
-    printed = ""
+    printed, folder = "", tmp_path
     for block in blocks(page):
         if block.title is not None:
-            (tmp_path / block.title).parent.mkdir(parents=True, exist_ok=True)
-            (tmp_path / block.title).write_text(block.text, encoding="utf-8")
+            (folder / block.title).parent.mkdir(parents=True, exist_ok=True)
+            (folder / block.title).write_text(block.text, encoding="utf-8")
         elif block.language == "text" and not block.skipped:
             lines = [line.rstrip() for line in block.text.splitlines() if "…" not in line]
             missing = [line for line in lines if line not in map(str.rstrip, printed.splitlines())]
@@ -133,7 +133,8 @@ def test_every_block_of_a_page_does_what_it_says(page: Path, tmp_path: Path) -> 
         elif block.language in ("sh", "python") and not block.skipped:
             shell = ["bash", "-uo", "pipefail", "-c", checked(block.text)]
             command = shell if block.language == "sh" else [sys.executable, "-c", block.text]
-            done = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True)
+            done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True)
+            folder = folder.joinpath(*re.findall(r"^cd (\S+)$", block.text, re.MULTILINE))
             printed = done.stdout + done.stderr
             assert done.returncode == 0, f"{block.text}\n{printed}"
             assert "Traceback" not in printed

@@ -112,7 +112,7 @@ def test_its_record_is_simulated_again_from_the_state_that_it_keeps(
         assert record.states["step"].tolist() == [K]
     done = said("validate", str(path))
     if every == 1:
-        assert "Simulated again: the same run to the bit" in " ".join(done.out.split())
+        assert "Simulated again: the same run, bit for bit" in " ".join(done.out.split())
     assert "DISAGREEMENTS: none" in done.out
     assert ("CONTACTS: none" in done.out) == (world is WORLD)
 

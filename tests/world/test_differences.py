@@ -25,11 +25,11 @@ def test_differences_are_told_by_key_with_both_values() -> None:
         "seed": ("3", "4"),
         "robots.1.path.offset": ("-1.0", "-2.0"),
         "controller.type": ("mode_switching", "constant"),
-        "expect.contacts": ("0", "not given"),
+        "expect.contacts": ("0", "default"),
     }
 
 
 def test_what_only_one_world_has_is_none_in_the_other() -> None:
     one, two = load_world("single_robot"), load_world("three_robots")
     found = differences(one.changed(controller={}), two.changed(controller={}))
-    assert found["robots.1.name"][0] == "not given"
+    assert found["robots.1.name"][0] == "none"

@@ -120,9 +120,9 @@ def test_of_many_runs_each_has_its_verdict(folder, monkeypatch):
     )  # fmt: skip
     assert done.code == 0, done.err
     assert "agree in every run" in done.out
-    rows = physim.campaigns.read(folder / "sweeps/any").to_pylist()
+    rows = physim.campaigns.read(folder / "sweeps/any")
     verdict = "contact-free; not as expected: finished"
-    assert [(one["verdict"], one["unexplained"]) for one in rows] == [(verdict, 0)] * 3
+    assert [(one.verdict, one.unexplained) for one in rows] == [(verdict, 0)] * 3
 
 
 def test_of_runs_that_break_off_none_is_said_to_agree(folder, monkeypatch):

@@ -110,10 +110,10 @@ def test_both_views_have_one_scale_where_robots_stay_large_enough(free: Record) 
     [
         (SMALL, SMALL, ("", "")),
         (SMALL, SMALL.replace("seed: 1", "seed: 2"), ("seed: 1", "seed: 2")),
-        (SMALL, CONTROLLED, ("beta: not given", "beta: 0.2")),
+        (SMALL, CONTROLLED, ("beta: default", "beta: 0.2")),
         (CONTROLLED, SMALL + "controller: {type: path_following}\n",
          ("controller: mode_switching", "controller: path_following")),
-        (SMALL, BLOCKED, ("8 values, obstacles.0.0.0: not given, obstacles.0.0.1: not given",
+        (SMALL, BLOCKED, ("8 values, obstacles.0.0.0: none, obstacles.0.0.1: none",
                           "8 values, obstacles.0.0.0: 8.0, obstacles.0.0.1: 0.0")),
         (SMALL, re.sub("name: .*", "name: shut", BLOCKED, count=1),
          (parse_world(SMALL).name, "shut")),

@@ -214,6 +214,18 @@ def test_names_that_a_protocol_could_be_read_into(
     assert len(decoded(tmp_path / "pipe:1 %03d 日本.mp4")) == 4
 
 
+@pytest.mark.parametrize("encoder", ["/bin/false", "absent"])
+def test_an_encoder_that_fails_is_told_in_one_line(
+    made: Made, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, encoder: str, capfd: Any
+) -> None:
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", encoder)
+    with pytest.raises(PhysimError, match=r"film\.mp4: cannot write it: ") as caught:
+        render(made(1), tmp_path / "film.mp4")
+    assert "\n" not in str(caught.value)
+    assert capfd.readouterr() == ("", "")
+    assert not list(tmp_path.iterdir())
+
+
 def test_an_empty_record_is_refused(
     made: Made, changed: Callable[..., Any], tmp_path: Path
 ) -> None:

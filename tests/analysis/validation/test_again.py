@@ -176,7 +176,7 @@ def test_what_a_killed_run_had_noted_after_its_last_sample_is_simulated_too(
         assert (record.steps_run, record.noted_until) == (98, 103)
     code, out, _ = said("validate", str(path))
     assert (code, "DISAGREEMENTS: none" in out) == (1, True)  # not finished
-    assert states(out, "Simulated again", "to the bit")
+    assert states(out, "Simulated again", "bit for bit")
 
 
 @pytest.fixture
@@ -200,7 +200,7 @@ def test_simulated_again_it_is_the_same_run_or_told_by_its_first_difference(care
     path = careless("again.h5", **{"robots.0.mass": 90.0})
     told = said("validate", str(path), "--controller", CARELESS)
     with physim.Record.load(path) as record:
-        assert states(told.out, record.digest(), "same run", "to the bit")
+        assert states(told.out, record.digest(), "same run", "bit for bit")
     assert told.code == 1
     with h5py.File(path, "r+") as file:
         file.attrs["world"] = file.attrs["world"].replace("mass: 90.0", "mass: 900.0")
@@ -212,7 +212,7 @@ def test_simulated_again_it_is_the_same_run_or_told_by_its_first_difference(care
 
 def test_those_in_a_hurry_leave_it_out(made) -> None:
     found = forged(made["fine"], lambda file: None)
-    assert states(found.out, "Simulated again", "to the bit")
+    assert states(found.out, "Simulated again", "bit for bit")
     hurried = said("validate", str(made["fine"]), "--no-rerun")
     assert (hurried.code, "Simulated again" in hurried.out) == (0, False)
     assert states(hurried.out, "Not computed", "simulated again", "not asked for", within=200)

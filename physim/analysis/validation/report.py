@@ -51,7 +51,7 @@ def report(validation: Validation, full: bool = False) -> str:
 
 
 def warning_lines(validation: Validation) -> list[str]:
-    """What the verdict cannot rest on: checks that could not be made, contacts that are too deep."""
+    """What makes a verdict doubtful: contacts that are too deep, checks that could not be made."""
     names = validation.names
     deep = [("  WARNING  ", one.sentence(names)) for one in validation.deep]
     left_out = [("  NOT CHECKED  ", one) for one in validation.recomputed.left_out]

@@ -51,13 +51,11 @@ def report(validation: Validation, full: bool = False) -> str:
 
 
 def warning_lines(validation: Validation) -> list[str]:
-    """What makes the record unfit to be believed: contacts that are too deep."""
+    """What makes a verdict doubtful: contacts that are too deep, checks that could not be made."""
     names = validation.names
-    return [
-        line
-        for one in validation.deep
-        for line in wrapped(one.sentence(names), "  WARNING  ", 11 * " ")
-    ]
+    deep = [("  WARNING  ", one.sentence(names)) for one in validation.deep]
+    left_out = [("  NOT CHECKED  ", one) for one in validation.recomputed.left_out]
+    return [line for head, said in deep + left_out for line in wrapped(said, head, len(head) * " ")]
 
 
 def _head(validation: Validation, full: bool) -> list[str]:
@@ -193,7 +191,6 @@ def _checks(validation: Validation, full: bool) -> list[str]:
     said.append(
         f"Decisions: {done.decisions:,}{made}. Commands, their limits and stages: {result}."
     )
-    said += [f"Not computed: {what}." for what in done.left_out]
     if validation.run.robots == 1:
         said.append("A single robot: there are no pairs of robots.")
     said += _again(validation)

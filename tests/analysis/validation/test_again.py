@@ -215,7 +215,7 @@ def test_those_in_a_hurry_leave_it_out(made) -> None:
     assert states(found.out, "Simulated again", "bit for bit")
     hurried = said("validate", str(made["fine"]), "--no-rerun")
     assert (hurried.code, "Simulated again" in hurried.out) == (0, False)
-    assert states(hurried.out, "Not computed", "simulated again", "not asked for", within=200)
+    assert states(hurried.out, "NOT CHECKED", "simulated again", "not asked for", within=200)
     code, out, err = said("validate", str(made["free"]), "--no-rerun")
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert states(err, "one step in 7", "physim validate simulates such a run again")

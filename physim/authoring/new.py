@@ -198,16 +198,19 @@ class Mine:
         tx, ty = o.path.target(o.station, 2.0)  # [m] the point to drive to
         error = (atan2(ty - y, tx - x) - heading + pi) % (2 * pi) - pi  # [rad]
         v, omega, mode = min(1.0, o.limits[0]), 2.0 * error, "go"  # [m/s], [rad/s]
+        in_front = []
         for other in o.others:
             dx, dy = other.pose[0] - x, other.pose[1] - y
             ahead = dx * cos(heading) + dy * sin(heading)  # [m]
             beside = dy * cos(heading) - dx * sin(heading)  # [m] to the left
             if 0.0 < ahead < 2.5 and abs(beside) < 1.2:
                 v, mode = 0.0, "wait"
+                in_front.append(other.index)
         if o.station >= o.stop_station - 0.05:  # [m]
             v, omega, mode = 0.0, 0.0, "there"
         omega = max(-o.limits[1], min(o.limits[1], omega))
-        return Decision(v=v, omega=omega, hold=0.1, mode=mode)  # asks again after 0.1 s
+        # asks again after 0.1 s
+        return Decision(v=v, omega=omega, hold=0.1, mode=mode, considered=in_front)
 '''
 
 README = """\

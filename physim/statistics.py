@@ -213,7 +213,8 @@ def read_goal(text: str) -> Goal:
             return Goal(rate or "rate", sign or "", number)
     raise ValueError(
         "a width above 0 and below 1, such as 0.02 or 2%, or a bound from 0 to 1 on one of "
-        f'{", ".join(RATES)}, such as "rate > 0.99"'
+        f'{", ".join(RATES)}, such as "rate > 0.99"; '
+        f'given: "{text[:40]}"'
     )
 
 

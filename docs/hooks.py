@@ -248,11 +248,12 @@ def gallery(name: str = "") -> str:
             rates[one]["without"]["contact_free"] / rates[one]["seeds"],
         ),
     )
-    text = "| world | needs avoidance;<br>contact-free with, without |\n|---|---|\n"
+    text = "| | world | needs avoidance;<br>contact-free with, without |\n|---|---|---|\n"
     for one in order:
         of = rates[one]
         counts = [str(of[arm]["contact_free"]) for arm in ("with", "without") if arm in of]
-        text += f"| [`{one}`](#{one})<br>{prose(shown[one])} | {verdict(of)}<br>"
+        text += f'| <img class="thumb" alt="" loading="lazy" src="{one}.webp">'
+        text += f" | [`{one}`](#{one})<br>{prose(shown[one])} | {verdict(of)}<br>"
         text += f"{' and '.join(counts)} of {of['seeds']} |\n"
     versions = sorted({one["version"] for one in rates.values()})
     return f"{text}\nMeasured with physim {' and '.join(versions)}.\n"

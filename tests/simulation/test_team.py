@@ -249,8 +249,8 @@ def test_pictures_tell_controllers_and_modes_apart(mixed: Record) -> None:
     assert [one["robots"] for one in told["drivers"]] == [(0,), (1,), (2, 3)]
     assert [bool(one["thresholds"]) for one in told["drivers"]] == [True, False, False]
     prose = {one["name"]: one["prose"] for one in told["rules"]}
-    assert "deaf" in prose["path_following_3"]
-    assert "deaf" not in prose["path_following"]
+    assert "ignores robots" in prose["path_following_3"]
+    assert "ignores robots" not in prose["path_following"]
     assert timeline.marks == ["·A", "·B", "·C", "·C"]
     assert [one.words for one in timeline.drivers] == [
         "A mode_switching: a",

@@ -9,11 +9,14 @@ set of colours.
 from __future__ import annotations
 
 import os
+import queue
 import re
 import subprocess
 import tempfile
+import threading
 import zlib
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
@@ -203,6 +206,10 @@ ENCODER = (
 than it saves. More threads take more time of the processor in all."""
 
 
+BUFFERS = 3
+"""Frames of a film under way: one drawn, one waiting, one handed over"""
+
+
 class VideoFile(Film):
     """A film as MP4."""
 
@@ -217,24 +224,47 @@ class VideoFile(Film):
             [*command, f"file:{self._part}"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
             stderr=self._errors, start_new_session=True, pipesize=1 << 18,
         )  # fmt: skip
+        self._free: queue.SimpleQueue[Image] = queue.SimpleQueue()
+        self._full: queue.SimpleQueue[Image | None] = queue.SimpleQueue()
+        for _ in range(BUFFERS):
+            self._free.put(np.empty((high, wide, 3), np.uint8))
+        self._feeder = threading.Thread(target=self._feed, daemon=True)
+        self._feeder.start()
+
+    def _feed(self) -> None:
+        """Hand frames to the encoder while the next one is drawn."""
+        assert self._encoder.stdin is not None
+        while (frame := self._full.get()) is not None:
+            with suppress(OSError):  # it has ended, as the next frame or the end finds out
+                self._encoder.stdin.write(frame.data)
+            self._free.put(frame)
 
     def write(self, frame: Image) -> None:
         """Take one frame, which may be changed afterwards. Raises what the encoder met."""
-        # ffmpeg converts blue, green, red in half the time of other orders
-        self._last = resized(picture_of(frame), self._size).tobytes("raw", "BGR")
-        self.hold()
+        if frame.shape[1::-1] != self._size:
+            frame = np.asarray(resized(picture_of(frame), self._size))
+        self._last = self._free.get()
+        for k in range(3):  # ffmpeg converts blue, green, red in half the time of other orders
+            self._last[..., 2 - k] = frame[..., k]
+        self._take(self._last)
 
     def hold(self) -> None:
         """Take the last frame once more. Raises what the encoder met."""
-        assert self._encoder.stdin is not None
-        try:
-            self._encoder.stdin.write(self._last)
-        except BrokenPipeError:
-            self._encoder.wait()
-            raise self._fault() from None
+        again = self._free.get()
+        again[:] = self._last
+        self._take(again)
+
+    def _take(self, frame: Image) -> None:
+        if self._encoder.poll() is not None:
+            raise self._fault()
+        self._full.put(frame)
 
     def _close(self, whole: bool) -> None:
         try:
+            if not whole:
+                self._encoder.kill()
+            self._full.put(None)
+            self._feeder.join()
             if whole:
                 self._encoder.communicate()
                 if self._encoder.returncode:

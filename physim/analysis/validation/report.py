@@ -181,7 +181,7 @@ def _checks(validation: Validation, full: bool) -> list[str]:
     if motion.held:
         said.append(
             f"Motion in contact: {motion.held:,} steps compared with the energy of the commands: "
-            f"{f'{far} TOO FAR' if far else 'none moves farther than it allows'}."
+            f"{f'{far} TOO FAR' if far else 'none is too far'}."
         )
     wrong, made = len(done.mismatches), ""
     if done.replayed:

@@ -21,6 +21,7 @@ from tests.helpers import facts, inside
 check_still, frame_times = inside("physim.drawing.video", "check_still", "frame_times")
 kind_of, playback_speed = inside("physim.drawing.video", "kind_of", "playback_speed")
 render, resized = inside("physim.drawing.video", "render", "resized")
+VideoFile = inside("physim.drawing.video", "VideoFile")
 
 Made = Callable[..., Any]
 
@@ -224,6 +225,23 @@ def test_an_encoder_that_fails_is_told_in_one_line(
     assert "\n" not in str(caught.value)
     assert capfd.readouterr() == ("", "")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_film_whose_encoder_has_ended_takes_no_more_frames(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", "/bin/false")
+    frame, taken = np.zeros((720, 1280, 4), np.uint8), []
+
+    def write_all() -> None:
+        with VideoFile(tmp_path / "film.mp4", 25.0) as film:
+            for k in range(2000):
+                film.write(frame)
+                taken.append(k)
+
+    with pytest.raises(PhysimError, match="cannot write it"):
+        write_all()
+    assert len(taken) < 2000
 
 
 def test_an_empty_record_is_refused(

@@ -42,6 +42,6 @@ def test_all_is_reached_by_the_tab_key_and_the_focus_is_seen(opened: Opened) -> 
             break  # once round
         reached.add(what)
         assert outline != "none", what
-    assert {"scrub", "play", "to the start", "speed", "what to follow"} <= reached
+    assert {"scrub", "play", "to the start", "speed", "follow"} <= reached
     assert "robot to ask why" in reached
     assert any("shortest distance" in one for one in reached)

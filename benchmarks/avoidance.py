@@ -1,5 +1,7 @@
 """What avoidance does: every shipped world as it is, and beside it with avoidance switched off.
 
+Worlds with sensing stages or disturbances also run without these, avoidance on.
+
 python -m benchmarks.avoidance [WORLD ...] [--seeds A:B] [--jobs N] [--check | --write]
 
 Counts runs without a contact and finished ones, the share of decisions by (12) and (13), distances,
@@ -41,6 +43,7 @@ from physim.world.layout.scene_builder import is_random
 SHOWS_AVOIDANCE = ("ten_robots", "crowded_start", "three_robots", "nonconvex", "random_road")
 """Worlds whose descriptions claim that avoidance is at work in them."""
 WITHOUT = "controller.avoidance=none"
+UNDISTURBED = ("sensing.stages=[]", "disturbances=[]")
 CONTACTS_WITHOUT, FREE_WITH = 0.5, 0.95
 """[-] What such a world must reach: shares of its seeds"""
 RATES = Path(__file__).parents[1] / "docs/gallery/rates.json"
@@ -48,9 +51,9 @@ SEEDS = 100
 
 Figures = Mapping[str, float]
 Rates = dict[str, Any]
-"""Of one world: ``version``, ``seeds``, and by arm, ``with`` and ``without``, runs that are
-contact-free and finished, and what `with_it` or `without_it` gives. A world that is shipped without
-avoidance has no arm ``with``."""
+"""Of one world: ``version``, ``seeds``, and by arm, ``with``, ``without`` and ``undisturbed``, runs
+that are contact-free and finished, and what `with_it` or `without_it` gives. A world that is shipped
+without avoidance has no arm ``with``, one without disturbances none ``undisturbed``."""
 
 
 def measure(record: Record) -> Figures:
@@ -74,6 +77,8 @@ def measured(name: str, seeds: Iterable[int], jobs: int) -> Rates:
     arms = [Arm("with", name), Arm("without", name, (WITHOUT,))]
     if world.controller.settings.get("avoidance") == "none":
         arms = [Arm("without", name)]
+    if world.sensing.stages or world.disturbances:
+        arms.append(Arm("undisturbed", name, UNDISTURBED))
     work = {
         (arm.label, seed): Job(f"{name} seed {seed}", run, (arm, seed, (measure,)))
         for arm in arms
@@ -86,7 +91,7 @@ def measured(name: str, seeds: Iterable[int], jobs: int) -> Rates:
         rates[arm.label] = {
             "contact_free": sum(r["contacts"] == 0.0 for r in runs),
             "finished": sum(r["finished"] > 0.0 for r in runs),
-            **(with_it(runs) if arm.label == "with" else without_it(runs)),
+            **(without_it(runs) if arm.label == "without" else with_it(runs)),
         }
     return rates
 

@@ -264,6 +264,7 @@ def card(name: str, words: str, of: dict[str, Any]) -> str:
     null = verdict(of) == VERDICTS[0]
     without = f"\nphysim run {name} --set controller.avoidance=none -o without" if null else ""
     arms = {"with": "with avoidance", "without": "without avoidance"}
+    arms["undisturbed"] = "with avoidance, undisturbed"
     arms = {arm: title for arm, title in arms.items() if arm in of}
     text = (
         f"### {name} {{ #{name} }}\n\n"

@@ -94,7 +94,9 @@ def picture(found: Borne) -> Any:
     good = RATE_TITLES[found.goal.rate]
     return strengths(
         found.tried, found.goal.number, found.bracket, (found.strengths[0], found.strengths[-1]),
-        title=f"{found.world}, {found.controller}", strength=found.vary, rate=f"runs {good}",
+        title=f"{found.world}, {found.controller}",
+        source=f"intervals hold together with a confidence of {_share(found.confidence)}",
+        strength=found.vary, rate=f"runs {good}",
     )  # fmt: skip
 
 

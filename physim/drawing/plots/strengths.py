@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from physim.drawing.plots.frame import finished, short
+from physim.drawing.plots.frame import HEAD, finished, head, short
 from physim.drawing.plots.style import BAND, DPI, INK, NARROW, QUIET, RULE
 from physim.statistics import Decision
 
-HEIGHT = 2.6
+HEIGHT = 2.2
 """[in] without title and legend"""
 LONGEST_TITLE = 52
 """Characters"""
@@ -28,21 +28,21 @@ def strengths(
     span: tuple[float, float],
     *,
     title: str,
+    source: str,
     strength: str,
     rate: str,
 ) -> Any:
     """Figure of rates with intervals over the strengths that were tried, with the target.
 
     ``span`` is from the least to the greatest strength. The bracket of the limit is drawn where
-    both of its ends are known. ``strength`` and ``rate`` are written beside the axes.
+    both of its ends are known. ``strength`` and ``rate`` are written beside the axes,
+    ``source`` below the title.
     """
     from matplotlib.figure import Figure
     from matplotlib.ticker import PercentFormatter
 
-    figure = Figure((NARROW, HEIGHT), dpi=DPI)
-    figure.suptitle(
-        short(title, LONGEST_TITLE), x=0.01, ha="left", fontsize=10.5, fontweight="bold"
-    )
+    figure = Figure((NARROW, HEIGHT + HEAD), dpi=DPI)
+    head(figure, short(title, LONGEST_TITLE), source)
     axis = figure.add_subplot()
     margin = 0.03 * (span[1] - span[0])
     axis.set(xlabel=strength, ylabel=rate, xlim=(span[0] - margin, span[1] + margin))

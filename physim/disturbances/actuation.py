@@ -13,9 +13,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from physim.compiled import compiled
-from physim.disturbances.named import Draws, Named, name_faults, robots_of
+from physim.disturbances.named import Named, Stream, name_faults, robots_of
 from physim.errors import Fault, Location
-from physim.geometry.shapes import FloatArray, IntArray, Rows3
+from physim.geometry.shapes import FloatArray, IntArray, Rows3, read_only
 from physim.parts.controller import Snapshot
 from physim.randomness import Words, draw, normal, purpose_key
 from physim.world import World
@@ -34,7 +34,7 @@ class Errors(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
-    gain: float = Field(default=1.0, ge=0.0, le=10.0, description="factor of what is commanded")
+    gain: float = Field(default=1.0, ge=0.0, le=2.0, description="factor of what is commanded")
     gain_spread: Spread = Field(
         default=0.0, description="standard deviation of the gain from robot to robot"
     )
@@ -67,7 +67,7 @@ class ActuationSettings(BaseModel):
     )  # fmt: skip
     delay: int = Field(default=0, ge=0, description="[steps] from a command to its execution")
     robots: Named = None
-    draws: Draws = 0
+    stream: Stream = 0
 
 
 State = tuple[IntArray, FloatArray, FloatArray, tuple[FloatArray, ...]]
@@ -82,7 +82,7 @@ class Actuation:
 
     def __init__(self, settings: ActuationSettings | None = None) -> None:
         self.settings = own = settings or ActuationSettings()
-        self._purpose = f"actuation {own.draws}"
+        self._purpose = f"actuation {own.stream}"
         self._noise = np.array((own.v.noise, own.omega.noise, own.v.noise))
         self._is_off = own.v == own.omega == Errors() and not own.slip and not own.delay
 
@@ -132,7 +132,7 @@ class Actuation:
         applied = filtered.copy()
         parts, late, out = filtered.shape[1], late.reshape(-1), applied.reshape(-1)
         actuate(key, int(at), at % 1.0, who, len(who), parts, made, late, out)
-        return applied, (who, gain, bias, waiting)
+        return read_only(applied), (who, gain, bias, waiting)
 
 
 class Made(NamedTuple):

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
-from physim.disturbances.named import Draws, Named, name_faults, robots_of
+from physim.disturbances.named import Named, Stream, name_faults, robots_of
 from physim.errors import Fault, Location
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.parts.controller import LONGEST_HOLD, Snapshot
 from physim.randomness import uniform
 from physim.world import World
@@ -55,7 +55,7 @@ class BreakdownSettings(BaseModel):
         default="stands", description="whether it stands, or runs on with its last command"
     )
     robots: Named = None
-    draws: Draws = 0
+    stream: Stream = 0
 
 
 State = tuple[IntArray, int, NDArray[np.bool_], IntArray, IntArray, FloatArray]
@@ -109,14 +109,14 @@ class Breakdown:
         held = last if self.settings.then == "runs_on" else np.zeros_like(filtered)
         applied = np.where(broken[:, None], held, filtered)
         last = np.where(broken[:, None], last, filtered)
-        return applied, (who, event, broken, due, count, last)
+        return read_only(applied), (who, event, broken, due, count, last)
 
     def _changed(
         self, scene: Scene, step: int, state: State
     ) -> tuple[int, NDArray[np.bool_], IntArray, IntArray]:
         """What of a state becomes another at a step: robots work again, and others break down."""
         who, _, broken, due, count, _ = state
-        own, purpose = self.settings, f"breakdown {self.settings.draws}"
+        own, purpose = self.settings, f"breakdown {self.settings.stream}"
         broken, due, count = broken.copy(), due.copy(), count.copy()
         again = broken & (due <= step)
         broken[again], due[again] = False, LONGEST_HOLD

@@ -23,12 +23,12 @@ Named = Annotated[
     tuple[Label, ...] | None,
     Field(min_length=1, max_length=MOST_ROBOTS, description="names of its robots; all when absent"),
 ]
-Draws = Annotated[
+Stream = Annotated[
     int,
     Field(
         ge=0,
         le=10**9,
-        description="number of its draws: two entries of one type draw alike unless theirs differ",
+        description="number of the draws: two entries of one type draw alike unless theirs differ",
     ),
 ]
 

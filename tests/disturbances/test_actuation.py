@@ -80,6 +80,6 @@ def test_draws_are_of_one_robot_alone() -> None:
     wide = applied("actuation", 5, 30, parts=3, **settings)
     assert (wide[:, :, :2] == many).all()
     assert len(np.unique(wide[10, 0])) == 3
-    other = applied("actuation", 5, 30, draws=1, **settings)
+    other = applied("actuation", 5, 30, stream=1, **settings)
     assert not np.isclose(other, many).any()
     assert not np.isclose(applied("actuation", 5, 30, seed=8, **settings), many).any()

@@ -59,4 +59,4 @@ def test_draws_are_of_one_robot_alone() -> None:
     named = applied("breakdown", 9, 400, rate=0.2, lasts=1.0, robots=["r2"])
     assert (named[:, 2] == many[:, 2]).all()
     assert (np.delete(named, 2, axis=1) == 1.0).all()
-    assert (applied("breakdown", 9, 400, rate=0.2, lasts=1.0, draws=1) != many).any()
+    assert (applied("breakdown", 9, 400, rate=0.2, lasts=1.0, stream=1) != many).any()

@@ -84,7 +84,8 @@ class Breakdown:
         for k, time in enumerate(own.at):
             if time >= end:
                 message = f"{time:g} s is not within the run, which ends at {end:g} s"
-                yield Fault((*where, "at", k), f"{message}; give an earlier time")
+                at = ("at", k) if len(own.at) > 1 else ("at",)  # it may be written as a number
+                yield Fault((*where, *at), f"{message}; give an earlier time")
         for k, (before, time) in enumerate(pairwise(own.at), start=1):
             if time <= before:
                 message = f"{time:g} s does not come after the time before it, {before:g} s"

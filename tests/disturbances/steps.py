@@ -7,8 +7,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from physim.geometry.shapes import FloatArray
 from tests.helpers import inside
 
 DISTURBANCE, make_part = inside("physim.parts", "DISTURBANCE", "make_part")
@@ -23,10 +23,10 @@ def applied(
     *,
     seed: int = 7,
     names: Sequence[str] = (),
-    commands: Callable[[int], FloatArray] | None = None,
+    commands: Callable[[int], NDArray[np.float64]] | None = None,
     parts: int = 2,
     **settings: Any,
-) -> FloatArray:
+) -> NDArray[np.float64]:
     """(steps, robots, parts) Commands as they are executed; all are 1 unless ``commands`` says."""
     names = tuple(names) or tuple(f"r{i}" for i in range(robots))
     scene: Any = SimpleNamespace(seed=seed, dt=DT, robots=robots, names=names)

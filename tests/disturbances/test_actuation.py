@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from physim.geometry.shapes import FloatArray
 from tests.disturbances.steps import DT, applied
 
 ROBOTS = 4000
@@ -53,7 +53,7 @@ def test_slip_loses_from_nothing_to_its_share() -> None:
 
 @pytest.mark.parametrize("delay", [1, 2, 7])
 def test_a_delay_of_n_steps_is_n(delay: int) -> None:
-    def commands(step: int) -> FloatArray:
+    def commands(step: int) -> NDArray[np.float64]:
         return np.full((3, 2), step + 1.0)
 
     found = applied("actuation", 3, 20, delay=delay, commands=commands)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from physim.geometry.shapes import FloatArray
 from tests.disturbances.steps import DT, applied
 
 
-def counting(step: int) -> FloatArray:
+def counting(step: int) -> NDArray[np.float64]:
     return np.full((3, 2), step + 1.0)
 
 

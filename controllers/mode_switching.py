@@ -443,8 +443,11 @@ class ModeSwitching:
         """Decide for robots ``due`` from what each of them may know."""
         cluster, rules, room = view.prepared(self._prepared)
         s, many, rows = view.sensed, len(due), len(view.sensed.robot)
+        station, robots = s.reference_station, view.scene.robots
+        if view.scene.moving > robots:
+            station = np.where(s.robot < robots, station, np.inf)
         bodies = Bodies(
-            cluster.shapes, s.robot, s.pose, s.command, s.reference_station,
+            cluster.shapes, s.robot, s.pose, s.command, station,
             facings(s.pose), rows,
         )  # fmt: skip
         known = Memory(memory["mode"], memory["plan"].reshape(-1, 2), memory["dwell"])
@@ -485,7 +488,7 @@ class ModeSwitching:
             reach=scene.sensing_range,
         )
         pairs = int((np.diff(cluster.speeds.start) * np.diff(cluster.omegas.start)).max())
-        many, ranking, nearest = scene.robots, ranking_of(scene.robots), nearest_walls(scene.robots)
+        many, ranking, nearest = scene.moving, ranking_of(scene.moving), nearest_walls(scene.robots)
         room = Room(np.empty((pairs, 2)), np.ones(1), ranking, np.array([many]), nearest)
         return cluster, rules, room
 

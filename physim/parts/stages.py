@@ -130,8 +130,14 @@ def everybody(truth: Snapshot, rows: tuple[IntArray, IntArray, IntArray, FloatAr
     )  # fmt: skip
 
 
-def shared(robots: int, moving: int) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
-    """Robot, first, end and age of rows about all that moves, which all of N observers share."""
+def shared(
+    robots: int, moving: int | None = None
+) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+    """Robot, first, end and age of rows about all that moves, which all of N observers share.
+
+    Without ``moving`` the robots are all that does.
+    """
+    moving = robots if moving is None else moving
     robot = np.arange(moving)
     first, end, age = np.zeros(robots, np.int64), np.full(robots, moving), np.zeros(moving)
     return read_only(robot), read_only(first), read_only(end), read_only(age)

@@ -125,9 +125,11 @@ class Physics:
         self._movers, self._paths = slice(first, first + count), movers if count else None
         finite = np.where(self._goes_on, 0.0, mass)
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(finite)]
-        self._inertia, self._reach = np.array(inertia, dtype=np.float64).reshape(-1, 3), shapes.radius
+        self._inertia = np.array(inertia, dtype=np.float64).reshape(-1, 3)
+        self._reach = shapes.radius
         self._drive_per_speed = self._inertia / dt
         self._placed = np.zeros((self._bodies, 3))
+        self._twist = np.zeros((self._robots, 3))
         self._no_pairs = Pairs(np.zeros(0, dtype=np.int64), np.zeros(0), 0)
         self._no_contacts = np.zeros(0, CONTACT_ROW)
         self._no_false = np.zeros(0, FALSE_CONTACT_ROW)
@@ -146,18 +148,17 @@ class Physics:
         return touching[: self._robots]
 
     def step(self, command: FloatArray) -> None:
-        """Advance one step under commands (R, 2) of the robots: v [m/s], omega [rad/s], each along
-        its arc."""
-        arrays, robots = self._arrays, len(command)
-        before, start = self._pairs, arrays.pose.copy()
-        chord_velocities(arrays.pose, command, robots, self.dt, arrays.velocity)
+        """Advance one step under commands (R, 2 or 3) of the robots, each along its arc.
+
+        v [m/s], omega [rad/s] and, where some robot is omnidirectional, the lateral speed [m/s].
+        """
+        before, start, arrays = self._pairs, self._arrays.pose.copy(), self._arrays
+        self._twist[: len(command), : command.shape[1]] = command
+        chord_velocities(arrays.pose, self._twist, self._robots, self.dt, arrays.velocity)
         self.step_number += 1
-        if robots < self._robots:
-            arrays.velocity[robots:] = 0.0
-            if self._paths is not None:
-                self._put_on_paths()
-                moved = self._target - start[self._movers]
-                arrays.velocity[self._movers] = moved / self.dt
+        if self._paths is not None:
+            self._put_on_paths()
+            arrays.velocity[self._movers] = (self._target - start[self._movers]) / self.dt
         pushes, to_solve = self._no_pairs, self._to_solve(before.key)
         if to_solve:
             pushes = self._hold_back(to_solve)

@@ -102,8 +102,9 @@ def fill_clearances(
 ) -> int:
     """Write `clearances` of poses (B N, 3) into ``out``, of the first ``only`` bodies, the robots.
 
-    What is written of the others has no meaning. ``part_body`` (P,) names the body of each wall part; ``known`` and ``nearest`` go from block to
-    block. Returns how many distances of two robots were worked out for ``clearance``.
+    What is written of the others has no meaning. ``part_body`` (P,) names the body of each wall
+    part; ``known`` and ``nearest`` go from block to block. Returns how many distances of two bodies
+    were worked out for ``clearance``.
     """
     robots, measured = discs.robots, 0
     frame, spread, rim = np.empty((robots, 6)), np.empty(robots), np.empty(robots, np.int64)

@@ -34,7 +34,7 @@ class TimedPaths(NamedTuple):
     waypoints"""
     repeat: IntArray
     """(M,) number in `REPEATS`"""
-    count: int
+    many: int
     """M"""
 
 
@@ -60,7 +60,7 @@ def timed_paths(
 
 def timed_poses(paths: TimedPaths, time: float) -> FloatArray:
     """Poses (M, 3) x, y [m], heading [rad, unwrapped] at a time [s]."""
-    out = np.empty((paths.count, 3))
+    out = np.empty((paths.many, 3))
     put_timed_poses(paths, time, out)
     return out
 
@@ -69,7 +69,7 @@ def timed_poses(paths: TimedPaths, time: float) -> FloatArray:
 def put_timed_poses(paths: TimedPaths, time: float, out: Rows3) -> None:
     """Write `timed_poses` into ``out`` (M, 3)."""
     row = paths.row
-    for m in range(paths.count):
+    for m in range(paths.many):
         first, last = paths.start[m], paths.start[m + 1] - 1
         begin, end = row[first, 0], row[last, 0]
         t, turned = time, 0.0

@@ -44,8 +44,8 @@ T = TypeVar("T")
 Rows = NDArray[np.void]
 Bound = float | str | None
 """Least or greatest value of a column: a number, or the highest number of ``robots``, ``moving``,
-``bodies``, ``modes``, ``rules`` or ``steps`` that there are; as the least also another column, which it is
-above. None: any value, NaN too."""
+``bodies``, ``modes``, ``rules`` or ``steps`` that there are; as the least also another column,
+which it is above. None: any value, NaN too."""
 
 Format = Literal["physim-record"]
 Version = Literal["5"]
@@ -140,8 +140,8 @@ class Attributes:
     bodies: Annotated[
         Json[tuple[Body, ...]],
         AfterValidator(numbered),
-        "JSON list: id, kind and name of what moves (robots, movers, obstacles that can be pushed), "
-        "boundaries, other obstacles",
+        "JSON list: id, kind and name of robots, movers, obstacles that can be pushed, boundaries, "
+        "other obstacles",
     ]
     declared: Annotated[
         Json[Declared],
@@ -205,8 +205,8 @@ class Dataset(Property[T]):
 
     ``row`` are the columns of its rows, or their type; of a plain type ``least`` and ``most``
     bound the values. ``shape`` names its sizes: N robots, B bodies that move, W boundaries and
-    obstacles that stand, K samples, M rows; others are free. ``starts`` is the path of packed items whose runs begin where it says,
-    each of ``fewest`` items or more.
+    obstacles that stand, K samples, M rows; others are free. ``starts`` is the path of packed items
+    whose runs begin where it says, each of ``fewest`` items or more.
     """
 
     def __init__(
@@ -345,7 +345,9 @@ class Layout(Attributes):
     shapes = _shapes(
         "/footprints", "B+1", 3, "corners of the convex parts of what moves, in the own frames"
     )
-    walls = _shapes("/walls", "W+1", 2, "corners of the parts of boundaries and obstacles that stand")
+    walls = _shapes(
+        "/walls", "W+1", 2, "corners of the parts of boundaries and obstacles that stand"
+    )
     paths = _lines("/paths", "N+1", 2, "own path of each robot", _polylines)
     reference = _lines("/reference", "2", 2, "the reference path s*", _polylines)
     accessible = _lines("/areas/accessible", "R+1", 3, "rings of the accessible area", _runs)
@@ -353,7 +355,7 @@ class Layout(Attributes):
     extremes = Dataset[Rows](
         "/extremes", "N",
         (
-            Column("clearance", "<f8", "m", "least distance to what moves, inf alone", -FAR, np.inf),
+            Column("clearance", "<f8", "m", "least to what moves, inf alone", -FAR, np.inf),
             Column("clearance_step", "<i8", "", _WHEN, -1, "steps"),
             Column("clearance_other", "<i4", "", _WHO, -1, "moving"),
             Column("boundary_clearance", "<f8", "m", "to a wall, inf without", -FAR, np.inf),

@@ -79,7 +79,9 @@ class Record(layout.Layout):
         if not _just_made:
             sizes = {"N": self.robots, "N+1": self.robots + 1, "B": self.moving}
             sizes |= {"B+1": self.moving + 1, "W+1": bodies - self.moving + 1}
-            types = layout.row_types(self.robots, self.moving, [column.name for column in declared.columns])
+            types = layout.row_types(
+                self.robots, self.moving, [column.name for column in declared.columns]
+            )
             check_datasets(file, self.where, {**sizes, "2": 2, "3": 3}, types)
         self.samples = min(len(file[path]) for path in layout.STEPS)
         """how many samples were recorded"""

@@ -122,7 +122,9 @@ class RecordWriter:
         self.robots, self.moving = len(scene.start), len(scene.shapes.radius)
         self.extremes = Extremes(self.robots)
         self.arrived = np.full(self.robots, -1, dtype=np.int64)
-        self.types = layout.row_types(self.robots, self.moving, [column.name for column in declared.columns])
+        self.types = layout.row_types(
+            self.robots, self.moving, [column.name for column in declared.columns]
+        )
         """type of the rows of each dataset that grows, by its path"""
         self._waiting: dict[str, list[NDArray[Any]]] = {path: [] for path in self.types}
         self._flush_every_s = flush_every_s

@@ -332,8 +332,8 @@ class Simulation:
         moving = pose, velocity
         if len(pose) > n:
             pose, velocity = (read_only(array[:n]) for array in moving)
-            others = moving[0][n:, :2].tolist()
-            found = [project(self.scene.reference, 0, *at, -np.inf, np.inf)[0] for at in others]
+            others, line = moving[0][n:].tolist(), self.scene.reference
+            found = [project(line, 0, x, y, -np.inf, np.inf)[0] for x, y, _ in others]
             station = read_only(np.concatenate((station, found)))
             command = read_only(np.pad(nominal, ((0, len(others)), (0, 0))))
         self.now = Snapshot(

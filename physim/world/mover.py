@@ -18,12 +18,13 @@ from physim.world.kinds import (
     Coordinate,
     Label,
     Number,
+    Point,
     Polygon,
     Sequence,
     either,
     plain,
 )
-from physim.world.robot import Footprint, Point, outline_of
+from physim.world.robot import Footprint, outline_of
 
 if TYPE_CHECKING:
     from physim.world.model import World

@@ -243,7 +243,7 @@ class Scene:
     start: FloatArray
     """(N, 3) pose of robots at sample 0"""
     movers: TimedPaths
-    """paths of the movers, bodies N to N + ``movers.count`` - 1"""
+    """paths of the movers, bodies N to N + ``movers.many`` - 1"""
     paths: Polylines
     """own path s_i of each robot"""
     reference: Polylines

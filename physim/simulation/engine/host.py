@@ -92,8 +92,9 @@ class Physics:
 
         ``shapes`` of the N bodies in their own frames, ``walls`` in the world frame, ``start``
         (N, 3) x, y [m], heading [rad], ``mass`` (N,) [kg], inf of those that follow ``movers``,
-        time step ``dt`` [s], coefficients of ``friction`` and ``elasticity`` of every contact. Since velocities are commanded anew at
-        each step, elasticity adds to the impulse of an impact but nothing bounces.
+        time step ``dt`` [s], coefficients of ``friction`` and ``elasticity`` of every contact.
+        Since velocities are commanded anew at each step, elasticity adds to the impulse of an
+        impact but nothing bounces.
         """
         start = np.ascontiguousarray(start, dtype=np.float64)
         self.dt = dt

@@ -21,7 +21,7 @@ from physim.world import Obstacle, RandomCorridor, World, each_robot
 from physim.world.ground.area import accessible_area, united
 from physim.world.ground.corridor import corridor_boundaries
 from physim.world.ground.lines import meet_more_often, segments_of, thinned
-from physim.world.layout.moved import mover_step_faults, moved_faults, way_faults
+from physim.world.layout.moved import moved_faults, mover_step_faults, way_faults
 from physim.world.layout.road import drawn_road
 from physim.world.layout.robots import footprints_of, paths_of
 from physim.world.layout.shape_checks import (

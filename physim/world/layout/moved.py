@@ -89,8 +89,10 @@ def _first_out(
                 far = shapely.get_coordinates(placed[k + 1])
                 worst = shapely.distance(shapely.points(far), area)
                 is_end = worst.max() > BEYOND
-                return k + 1, (far if is_end else points)[np.argmax(worst if is_end else away)], (
-                    float(away.max())
+                return (
+                    k + 1,
+                    (far if is_end else points)[np.argmax(worst if is_end else away)],
+                    (float(away.max())),
                 )
     return None
 

@@ -42,9 +42,7 @@ def test_one_robot_has_no_metric_of_several() -> None:
     with make_record(robots=1, seconds=12.0) as record:
         found = set(measure(record))
     missing = set(DEFINITIONS) - found
-    assert missing == (
-        OF_A_FORMATION | OF_CONTACTS | OF_SEVERAL | OF_MOVERS | OF_A_FINISH
-    )
+    assert missing == (OF_A_FORMATION | OF_CONTACTS | OF_SEVERAL | OF_MOVERS | OF_A_FINISH)
     with make_record(seconds=12.0, world_text="name: x\n") as record:  # without a formation
         assert not OF_A_FORMATION & set(measure(record))
 

@@ -40,6 +40,7 @@ def run(
       --observer NAME  attach a registered observer (physim list) or your own, as module:Class (may
           be repeated)
       --keep-states S  keep the state of the run every S seconds, so that other runs can start there
+          (default: as often as physim branch needs to start at once)
       --from T  start from the state at T [s] that a record kept (give it as WORLD); you may change
           --controller, and with --set any key that moves no body
       --no-video  make no video
@@ -100,7 +101,7 @@ def run(
         try:
             with Bar(scene.world.name, scene.steps * scene.dt, "s at most", quiet) as bar:
                 record = record_run(
-                    simulation, observers=observers, save=SaveAt(states=keep_states),
+                    simulation, observers=observers, save=SaveAt(states=keep_states or "usual"),
                     path=folder / "record.h5",
                     progress=bar.simulated if bar.visible else None, stop=interrupt,
                 )  # fmt: skip

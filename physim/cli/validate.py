@@ -127,9 +127,10 @@ def _run_again(record: Record, file: Path, changes: Changes, quiet: bool) -> Rec
 
     Raises PhysimError where it has to be, for what the record lacks.
     """
-    from physim.analysis.validation.rerun import AgainError, run_again, simulation_again
+    from physim.analysis.validation.rerun import run_again
     from physim.analysis.validation.validation import missing
     from physim.parts.registry import made_controller
+    from physim.simulation.again import AgainError, simulation_again
     from physim.world.file import read_world
 
     controller = None

@@ -68,15 +68,20 @@ def branch_of(
     return branch
 
 
-def check_changes(world: World, other: World) -> None:
-    """Raise PhysimError, one line, for the first key of a world that may not change in mid-run."""
-    for key, (before, after) in differences(world, other).items():
+def check_changes(world: World, other: World) -> dict[str, tuple[str, str]]:
+    """What differs in another world, as `differences` has it.
+
+    Raises PhysimError, one line, for the first key that may not change in mid-run.
+    """
+    found = differences(world, other)
+    for key, (before, after) in found.items():
         whose = re.sub(r"^robots\.\d+\.", "robots.N.", key)
         if not f"{whose}.".startswith(tuple(f"{one}." for one in FREE)):
             raise PhysimError(
                 f"branch: {key} is {before} and cannot become {after} in mid-run; allowed: "
                 f"{', '.join(FREE)}"
             )
+    return found
 
 
 def taken_over(simulation: Simulation, branch: Simulation) -> SimulationState:

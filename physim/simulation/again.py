@@ -1,0 +1,117 @@
+"""The run of a record set up anew: from its start, or as it was at any step.
+
+What makes a simulation is imported where one is made: reading and judging records needs none.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from physim.errors import PhysimError, RecordError
+from physim.record import Record
+
+if TYPE_CHECKING:
+    from physim.parts.controller import Controller
+    from physim.parts.stages import Disturbance, Filter, SensingStage
+    from physim.simulation.loop import Simulation
+
+
+class AgainError(PhysimError):
+    """A run cannot be simulated again; ``why`` says why not."""
+
+    def __init__(self, record: Record, why: str) -> None:
+        self.why = why
+        super().__init__(f"{record.where}: cannot be simulated again: {why}")
+
+
+def simulation_again(
+    record: Record,
+    *,
+    controller: Controller | None = None,
+    sensing: Sequence[SensingStage] = (),
+    filters: Sequence[Filter] = (),
+    disturbances: Sequence[Disturbance] = (),
+) -> Simulation:
+    """Set up the run of a record anew, from the world inside and the state where it went on.
+
+    No code is run because a record names it: parts that were given from Python, and a controller
+    ``module:Class``, have to be given again. Raises AgainError where one is missing, and where the
+    run made no step.
+    """
+    from physim.simulation.kept_states import state_at
+    from physim.simulation.loop import Simulation
+
+    if record.noted_until <= record.begun_at:
+        raise AgainError(record, "it made no step")
+    try:
+        world, name = record.world, record.controller_name
+    except RecordError as error:
+        raise AgainError(record, str(error).splitlines()[0]) from error
+    if controller is None and (record.controller or ":" in name):
+        raise AgainError(
+            record,
+            f"its controller is the class {name}; no code is run because a record names it: if you "
+            f"trust the class, give --controller {name}",
+        )
+    given = {"sensing stage": sensing, "filter": filters, "disturbance": disturbances}
+    for kind, parts in given.items():
+        names = [name for word, name in record.given if word == kind]
+        if len(names) != len(parts):
+            raise AgainError(
+                record,
+                f"its {kind} {', '.join(names) or 'none'} came from Python; give it again there: "
+                "rerun(record, sensing=..., filters=..., disturbances=...) of "
+                "physim.analysis.validation.rerun",
+            )
+    try:
+        state = state_at(record, record.begun) if record.begun_at else None
+        return Simulation(
+            world, controller=controller, sensing=sensing, filters=filters,
+            disturbances=disturbances, state=state,
+        )  # fmt: skip
+    except PhysimError as error:
+        raise AgainError(record, str(error).splitlines()[0]) from error
+
+
+def simulation_at(
+    record: Record,
+    step: int,
+    *,
+    stop: Callable[[], bool] = lambda: False,
+    progress: Callable[[Simulation, float], None] | None = None,
+    **parts: Any,
+) -> Simulation:
+    """The simulation of a record as it was at a step of its run, ``parts`` as `simulation_again`.
+
+    It is simulated from the last state before that the record kept, or else from its start, and
+    held against the last sample that was recorded up to the step. Raises AgainError where it cannot
+    be, or is not the same to the bit there; and when ``stop`` says True, it stands at an earlier
+    step.
+    """
+    from physim.simulation.kept_states import state_at
+
+    simulation = simulation_again(record, **parts)
+    seen = int(record.steps[np.searchsorted(record.steps, step, side="right") - 1])
+    if len(kept := record.states["step"][record.states["step"] <= seen]):
+        simulation.restore(state_at(record, int(kept[-1]) * record.dt))
+    started, first = time.perf_counter(), simulation.step_number
+    for target in (seen, step):
+        while simulation.step_number < target and not stop():
+            simulation.step()
+            if progress is not None:
+                made = (simulation.step_number - first) * record.dt
+                progress(simulation, made / (time.perf_counter() - started))
+        if target == seen == simulation.step_number:
+            differing = (simulation.pose != record.pose_at(seen)).any(axis=1)
+            if differing.any():
+                robot, by = record.names[int(differing.argmax())], record.setup.made_with
+                raise AgainError(
+                    record,
+                    f"{robot} is not where it was at {seen * record.dt:g} s; the run was made with "
+                    f"{by}; make the record again",
+                )
+    return simulation

@@ -128,10 +128,9 @@ def branched(
     from physim.parts.registry import made_controller
     from physim.record import Origin
     from physim.simulation.again import simulation_at
-    from physim.simulation.branching import check_changes, taken_over
+    from physim.simulation.branching import check_changes, scene_with, taken_over
     from physim.simulation.loop import Simulation
     from physim.world.file import read_world
-    from physim.world.layout.scene_builder import build_scene
 
     assert record.path is not None
     step, dt, end = round(at / record.dt), record.dt, record.steps_run
@@ -170,7 +169,7 @@ def branched(
     made = made_controller(world, trusted=named is not None)
     if type(made) is type(mine) and given_settings(made) == given_settings(mine):
         made = mine  # which keeps its memory
-    after = Simulation(build_scene(world, record.seed), controller=made)
+    after = Simulation(scene_with(before.scene, world), controller=made)
     if after.scene.steps <= step:
         raise PhysimError(
             f"--at {at:.15g}: is not before the end of the branch, time.duration "

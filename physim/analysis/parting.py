@@ -19,19 +19,21 @@ class Parting:
 
     time: float
     """[s] of the first sample at which a point of a robot is more than `APART` elsewhere"""
-    robot: str
+    robot: int
     """which, the farthest of them"""
+    name: str
+    """of that robot"""
     farthest: float
     """[m] from a robot's reference point to where that is in the other run, at most"""
     farthest_time: float
     """[s]"""
-    farthest_robot: str
+    farthest_name: str
 
     def __str__(self) -> str:
         """``from 80.41 s on (r3 first), up to 2.31 m apart (r4 at 95.20 s)``."""
         return (
-            f"from {self.time:.2f} s on ({self.robot} first), up to {amount(self.farthest, 'm', 2)}"
-            f" apart ({self.farthest_robot} at {self.farthest_time:.2f} s)"
+            f"from {self.time:.2f} s on ({self.name} first), up to {amount(self.farthest, 'm', 2)}"
+            f" apart ({self.farthest_name} at {self.farthest_time:.2f} s)"
         )
 
 
@@ -54,8 +56,9 @@ def parting(original: Record, branch: Record) -> Parting | None:
     apart = np.flatnonzero((elsewhere > APART).any(axis=1))
     if not len(apart):
         return None
+    names, robot = branch.names, int(np.argmax(elsewhere[apart[0]]))
     first, (last, who) = int(apart[0]), np.unravel_index(np.argmax(far), far.shape)
     return Parting(
-        float(steps[first] * branch.dt), branch.names[int(np.argmax(elsewhere[first]))],
-        float(far[last, who]), float(steps[last] * branch.dt), branch.names[int(who)],
+        float(steps[first] * branch.dt), robot, names[robot],
+        float(far[last, who]), float(steps[last] * branch.dt), names[int(who)],
     )  # fmt: skip

@@ -214,7 +214,7 @@ class Beside:
                 title = f"Branch, {title or 'nothing changed'}"
                 parted = parting(records[0], record)
                 begin = (
-                    f"parts at {parted.time:.2f} s ({parted.robot} first)"
+                    f"parts at {parted.time:.2f} s ({parted.name} first)"
                     if parted
                     else ("does not part from the original")
                 )

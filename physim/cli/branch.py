@@ -158,22 +158,22 @@ def branched(
     run = partial(simulation_at, record, step, controller=mine)
     before: Simulation = to_the_end(run, f"{record.name}, again", step * dt, quiet)
     digest = record.digest()
-    if not changes and controller in (None, name):
-        return before, Origin(digest)
-    named = controller or own
-    world, document = read_world(record.path, overrides=changes, controller=named)
-    tell(document.lines(document.warnings))
-    changed = check_changes(before.scene.world, world)
-    if controller == name:  # an object that was given from Python has another name in its world
-        changed.pop("controller.type", None)
-    made = made_controller(world, trusted=named is not None)
-    if type(made) is type(mine) and given_settings(made) == given_settings(mine):
-        made = mine  # which keeps its memory
-    after = Simulation(scene_with(before.scene, world), controller=made)
-    if after.scene.steps <= step:
+    after, changed = before, {}
+    if changes or controller not in (None, name):
+        named = controller or own
+        world, document = read_world(record.path, overrides=changes, controller=named)
+        tell(document.lines(document.warnings))
+        changed = check_changes(before.scene.world, world)
+        if controller == name:  # an object that was given from Python has another name in its world
+            changed.pop("controller.type", None)
+        made = made_controller(world, trusted=named is not None)
+        if type(made) is type(mine) and given_settings(made) == given_settings(mine):
+            made = mine  # which keeps its memory
+        after = Simulation(scene_with(before.scene, world), controller=made)
+        after.restore(taken_over(before, after))
+    if after.finished or after.scene.steps <= step:
         raise PhysimError(
-            f"--at {at:.15g}: is not before the end of the branch, time.duration "
-            f"{after.scene.steps * dt:g} s"
+            f"--at {at:.15g}: nothing is left of the run from there on; give an earlier time, or a "
+            "longer one by --set time.duration=SECONDS"
         )
-    after.restore(taken_over(before, after))
     return after, Origin(digest, changed)

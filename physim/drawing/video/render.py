@@ -212,13 +212,9 @@ class Beside:
                 title = f"Original, {title}" if title else "Original"
             elif self._is_branch:
                 title = f"Branch, {title or 'nothing changed'}"
-                parted = parting(records[0], record)
-                begin = (
-                    f"parts at {parted.time:.2f} s ({parted.name} first)"
-                    if parted
-                    else ("does not part from the original")
-                )
-                words = f"{begin}; outlines: the original"
+                words = "outlines: original, from which it does not part"
+                if parted := parting(records[0], record):
+                    words = f"outlines: original; parted at {parted.time:.2f} s ({parted.name})"
             head = shorten(title or name, TITLE, room - OUTCOME, BOLD)
             canvas.write(head, (left, 26), TITLE, weight=BOLD)
             beside = ENDED if view.timeline.duration < self.duration else OUTCOME

@@ -47,8 +47,8 @@ def branch(
     options:
       --at T  simulated time [s] from which the branch goes on; it must be a step of the run
       --set KEY=VALUE  change a key of the world from there on (may be repeated); only keys that
-          move and reshape no body: controller, formation, sensing, filters, disturbances, expect,
-          time.duration, time.record_every, name
+          move and reshape no body: controller, robots.N.controller, formation, sensing, filters,
+          disturbances, expect, time.duration, time.record_every, name
       --controller NAME  use this controller from there on: a registered one (physim list), or your
           own as module:Class; robots with a controller of their own keep it
       --original NAME  the controller of RECORD, if that is your own class: physim runs your code

@@ -88,7 +88,8 @@ def branch(
         with run_folder(folder, force, record), interrupts() as interrupt:
             with Bar(scene.world.name, scene.steps * scene.dt, "s at most", quiet) as bar:
                 after = record_run(
-                    simulation, save=SaveAt(states="usual"), path=folder / "record.h5",
+                    simulation, path=folder / "record.h5",
+                    save=SaveAt(states="usual", sensed="sensed" in before.tables),
                     progress=bar.simulated if bar.visible else None, stop=interrupt, origin=origin,
                 )  # fmt: skip
             summary = summarise(after)

@@ -33,6 +33,7 @@ from physim.record.layout import (
     EXTREMES,
     EXTREMES_FARTHEST,
     OTHERS,
+    SENSED,
     STEPS,
     TABLES,
 )
@@ -89,7 +90,7 @@ def run_again(
     try:
         return record_run(
             simulation,
-            save=SaveAt(every=1),
+            save=SaveAt(every=1, sensed=SENSED in record.tables),
             progress=progress,
             stop=lambda: stop() or (cut and simulation.step_number >= last),
         )

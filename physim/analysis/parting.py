@@ -10,7 +10,7 @@ from physim.record import Record
 from physim.units import amount
 
 APART = 1e-3
-"""[m] from where a point of a robot counts as elsewhere than in the other run"""
+"""[m] from where a point of a body counts as elsewhere than in the other run"""
 
 
 @dataclass(frozen=True)
@@ -18,13 +18,13 @@ class Parting:
     """Where two runs part, and how far they come to be apart while both last."""
 
     time: float
-    """[s] of the first sample at which a point of a robot is more than `APART` elsewhere"""
-    robot: int
+    """[s] of the first sample at which a point of a body is more than `APART` elsewhere"""
+    body: int
     """which, the farthest of them"""
     name: str
-    """of that robot"""
+    """of that body"""
     farthest: float
-    """[m] from a robot's reference point to where that is in the other run, at most"""
+    """[m] from a body's reference point to where that is in the other run, at most"""
     farthest_time: float
     """[s]"""
     farthest_name: str
@@ -50,15 +50,15 @@ def parting(original: Record, branch: Record) -> Parting | None:
     )
     if not len(steps):
         return None
-    off = branch.pose[mine] - original.pose[theirs]
+    off = branch.moving_pose[mine] - original.moving_pose[theirs]
     far = np.hypot(off[..., 0], off[..., 1])
     elsewhere = far + branch.shapes.radius * np.abs(off[..., 2])
     apart = np.flatnonzero((elsewhere > APART).any(axis=1))
     if not len(apart):
         return None
-    names, robot = branch.names, int(np.argmax(elsewhere[apart[0]]))
+    bodies, body = branch.bodies, int(np.argmax(elsewhere[apart[0]]))
     first, (last, who) = int(apart[0]), np.unravel_index(np.argmax(far), far.shape)
     return Parting(
-        float(steps[first] * branch.dt), robot, names[robot],
-        float(far[last, who]), float(steps[last] * branch.dt), names[int(who)],
+        float(steps[first] * branch.dt), body, bodies[body].name,
+        float(far[last, who]), float(steps[last] * branch.dt), bodies[int(who)].name,
     )  # fmt: skip

@@ -123,10 +123,12 @@ class RecordWriter:
         world = getattr(scene, "world", None)
         every = record_every or (int(world.time.record_every) if world else 1)
         self.path = None if path is None else Path(path)
-        self.robots = len(scene.start)
+        self.robots, self.moving = len(scene.start), len(scene.shapes.radius)
         self.extremes = Extremes(self.robots)
         self.arrived = np.full(self.robots, -1, dtype=np.int64)
-        self.types = layout.row_types(self.robots, [column.name for column in declared.columns])
+        self.types = layout.row_types(
+            self.robots, self.moving, [column.name for column in declared.columns]
+        )
         """type of the rows of each dataset that grows, by its path"""
         self._waiting: dict[str, list[NDArray[Any]]] = {path: [] for path in self.types}
         self._flush_every_s = flush_every_s
@@ -207,7 +209,7 @@ class RecordWriter:
     def append_steps(
         self, step: ArrayLike, pose: ArrayLike, clearance: ArrayLike, boundary_clearance: ArrayLike
     ) -> None:
-        """Append B samples: step (B,), pose (B, N, 3), clearances (B, N) [m].
+        """Append S samples: step (S,), pose (S, B, 3) of all that moves, clearances (S, N) [m].
 
         Goes to the file when the time has come; append the decisions and contacts of the samples
         before, then a killed run's tables end with its samples.

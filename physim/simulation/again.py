@@ -114,12 +114,12 @@ def simulation_at(
                 made = (simulation.step_number - first) * record.dt
                 progress(simulation, made / (time.perf_counter() - started))
         if target == seen == simulation.step_number:
-            differing = (simulation.pose != record.pose_at(seen)).any(axis=1)
+            differing = (simulation.now.moving_pose != record.pose_at(seen)).any(axis=1)
             if differing.any():
-                robot, by = record.names[int(differing.argmax())], record.setup.made_with
+                body, by = record.bodies[int(differing.argmax())], record.setup.made_with
                 raise AgainError(
                     record,
-                    f"{robot} is not where it was at {seen * record.dt:g} s; the run was made with "
-                    f"{by}; make the record again",
+                    f"{body.name} is not where it was at {seen * record.dt:g} s; the run was made "
+                    f"with {by}; make the record again",
                 )
     return simulation

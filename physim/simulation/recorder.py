@@ -95,7 +95,7 @@ def check_room(scene: Scene, every: int, path: str | os.PathLike[str] | None) ->
             folder = folder.parent
         disk, where = shutil.disk_usage(folder), str(folder)
         room = disk.free if disk.total else float("inf")  # no disk: /proc and the like
-    needed = (scene.steps // every + 2) * (8 + SAMPLE_BYTES * scene.robots)
+    needed = (scene.steps // every + 2) * (8 + SAMPLE_BYTES * scene.moving)
     if needed > room:
         raise RecordError(
             f"{where}: no room for the record: there are {room / 1e6:.3g} MB, and its samples "
@@ -112,7 +112,7 @@ class Recorder:
         self.writer = writer
         self.every = every
         self.tables = tuple(tables)
-        self.size = max(1, min(BLOCK_STEPS, BLOCK_POSES // writer.robots))
+        self.size = max(1, min(BLOCK_STEPS, BLOCK_POSES // writer.moving))
         self.steps: list[Step] = []
         self.begun = self.first = self.rejected = 0
         self.unrecorded: tuple[int, FloatArray] | None = None
@@ -131,7 +131,7 @@ class Recorder:
         if self.begun:  # the record has no decision that gave the commands that are held
             self.latest = np.zeros((scene.robots, 2))
         self.since = np.full(scene.robots, -1, dtype=np.int64)
-        self.near = ClearanceFinder(scene.shapes, scene.wall_tree)
+        self.near = ClearanceFinder(scene.shapes, scene.wall_tree, scene.robots)
         self.least = np.full((2, scene.robots), np.inf)
         """[m] least distance of each robot from another, and from a wall, since the last recorded
         sample"""
@@ -140,7 +140,8 @@ class Recorder:
         contacts = simulation.contacts
         if self.begun:  # what happened in the step that led here is not of this record
             contacts = touching(contacts)
-        self._write_samples(simulation.pose[None], simulation.arrived[None], [contacts])
+        pose = simulation.now.moving_pose
+        self._write_samples(pose[None], simulation.arrived[None], [contacts])
         self.last_write = time.monotonic()
 
     def after_step(self, step: Step) -> None:
@@ -167,7 +168,7 @@ class Recorder:
         self._write_false_contacts([step.false_contacts for step in steps])
         if steps:
             self._write_samples(
-                stacked([step.pose for step in steps]),
+                stacked([step.moving_pose for step in steps]),
                 stacked([step.arrived for step in steps]),
                 [step.contacts for step in steps],
             )
@@ -231,9 +232,10 @@ class Recorder:
     def _write_samples(
         self, poses: FloatArray, arrived: NDArray[np.bool_], contacts: Sequence[NDArray[np.void]]
     ) -> None:
-        """Contacts in the order of steps, and every ``every``-th sample of poses (B, N, 3).
+        """Contacts in the order of steps, and every ``every``-th of S samples of all that moves,
+        ``poses`` (S, B, 3).
 
-        With these go the least distances since the one before. ``arrived`` (B, N).
+        With these go the least distances since the one before. ``arrived`` (S, N).
         """
         self.since = later_since(self.since, self.first, arrived)
         self.writer.note_arrived(self.since)

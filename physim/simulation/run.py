@@ -98,7 +98,7 @@ def record_run(
         declared=simulation.declared, tables=tables,
         given=tuple((part.kind.word, part.name) for part in given),
         given_settings=tuple(part.settings for part in given), begun_at=begun,
-        begun_along=np.stack(simulation.now[4:], axis=1) if begun else None, origin=origin,
+        begun_along=np.stack(simulation.now[4:7], axis=1) if begun else None, origin=origin,
         overwrite=overwrite,
     )  # fmt: skip
     if begun:

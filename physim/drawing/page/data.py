@@ -208,7 +208,7 @@ def moments(
         words = f"at {parted.time:.2f} s ({clean(parted.name)} first)"
         found.append({
             "label": "branch and original part", "time": parted.time, "words": words,
-            "robot": parted.robot,
+            "robot": parted.body if parted.body < timeline.robots else -1,
         })  # fmt: skip
     for name, label in MOMENTS:
         metric = summary.metrics.get(name)

@@ -11,13 +11,15 @@ disturbances alone: controllers and filters get what sensing gives (`Sensed`).
 
 from __future__ import annotations
 
+from math import isnan
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.geometry.path import project_near
-from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.compiled import compiled
+from physim.geometry.path import SHORTEST_WINDOW, track
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows3, read_only
 from physim.parts.controller import Decisions, Sensed, Snapshot
 from physim.world.scene import Scene
 
@@ -27,7 +29,12 @@ if TYPE_CHECKING:
 
 @runtime_checkable
 class SensingStage(Protocol):
-    """Changes what robots know of one another: noise, delay, loss."""
+    """Changes what robots know of one another: noise, delay, loss.
+
+    A class with ``on_demand = True`` promises that its states do not depend on the rows that it is
+    given. Where all stages do, only observers that look at a step have rows then: those that
+    decide, or all where a filter or somebody outside looks. Where nobody looks there are none.
+    """
 
     def start(self, scene: Scene) -> Any:
         """State at sample 0."""
@@ -82,6 +89,7 @@ class Step(NamedTuple):
     truth: Snapshot
     """the sample at which it began"""
     sensed: Sensed
+    """what robots knew; where all sensing stages work on demand, those that looked"""
     decisions: Decisions | None
     """of the robots that were due; None where nobody was, or commands came from outside"""
     next_step: IntArray
@@ -119,31 +127,102 @@ class Observer(Protocol):
         ...
 
 
-def everybody(truth: Snapshot, rows: tuple[IntArray, IntArray, IntArray, FloatArray]) -> Sensed:
+Shared = tuple[IntArray, IntArray, IntArray, FloatArray, FloatArray]
+"""Robot, first, end, age and heard of rows"""
+
+
+def everybody(truth: Snapshot, rows: Shared) -> Sensed:
     """What is sensed where everybody knows the truth: no copy; ``rows`` are those of `shared`."""
-    robot, first, end, age = rows
+    robot, first, end, age, heard = rows
     return Sensed(
         truth.step, robot, truth.pose, truth.command, truth.velocity, truth.reference_station, age,
-        first, end, truth.station,
+        first, end, truth.station, heard,
     )  # fmt: skip
 
 
-def shared(robots: int) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
-    """Robot, first, end and age of rows that all of N observers share."""
-    robot = np.arange(robots)
-    first, end, age = np.zeros(robots, np.int64), np.full(robots, robots), np.zeros(robots)
-    return read_only(robot), read_only(first), read_only(end), read_only(age)
+def shared(robots: int, looking: IntArray | None = None) -> Shared:
+    """Rows that all of N observers share, or those that are ``looking``: others have none."""
+    robot, age = read_only(np.arange(robots)), read_only(np.zeros(robots))
+    first, end = np.zeros(robots, np.int64), np.zeros(robots, np.int64)
+    end[slice(None) if looking is None else looking] = robots
+    return robot, read_only(first), read_only(end), age, age
 
 
-def for_each(sensed: Sensed) -> Sensed:
-    """Give every observer rows of its own, in the order of observers: copies to be changed."""
-    rows = [np.arange(a, b) for a, b in zip(sensed.first, sensed.end, strict=True)]
-    taken = np.concatenate(rows) if rows else np.zeros(0, np.int64)
-    counts = sensed.end - sensed.first
-    end = np.cumsum(counts)
-    names = ("robot", "pose", "command", "velocity", "reference_station", "age")
-    copies = {name: getattr(sensed, name)[taken] for name in names}
-    return sensed._replace(**copies, first=end - counts, end=end, station=sensed.station.copy())
+def for_each(sensed: Sensed, scene: Scene | None = None) -> Sensed:
+    """Give every observer rows of its own, in the order of observers: copies to be changed.
+
+    With a ``scene`` it has only those that it may use: of itself, of bodies within the sensing
+    range, and of formation neighbours.
+    """
+    observers, rows = len(sensed.first), int((sensed.end - sensed.first).sum())
+    taken, end = np.empty(rows, np.int64), np.empty(observers, np.int64)
+    limits = Usable(-1.0, -1.0, np.zeros(0, np.int64), False)
+    if scene is not None:
+        plan = scene.formation
+        listed, reach = len(plan.adjacency) > 0, plan.range if plan.active else -1.0
+        limits = Usable(scene.sensing_range, reach, plan.adjacency.reshape(-1), listed)
+    take_rows(
+        observers, sensed.first, sensed.end, sensed.robot, sensed.pose, sensed.reference_station,
+        limits, taken, end,
+    )  # fmt: skip
+    own = kept_rows(sensed, taken[: end[-1]])
+    return own._replace(
+        first=np.concatenate(([0], end[:-1])), end=end, station=sensed.station.copy()
+    )
+
+
+class Usable(NamedTuple):
+    """Which rows an observer may use."""
+
+    reach: float
+    """[m] of bodies so near; below 0: all rows"""
+    neighbours: float
+    """[m] of robots whose stations are so near; below 0: there are no formation neighbours"""
+    adjacency: IntArray
+    """(N N,) 1 where a robot is a neighbour"""
+    is_listed: bool
+    """whether neighbours are those of ``adjacency`` alone"""
+
+
+@compiled
+def take_rows(
+    observers: int,
+    first: IntArray,
+    end: IntArray,
+    robot: IntArray,
+    pose: Rows3,
+    station: FloatArray,
+    limits: Usable,
+    taken: IntArray,
+    taken_end: IntArray,
+) -> None:
+    """Write the numbers of the rows of every observer, in their order, into ``taken``."""
+    count, square = 0, limits.reach * limits.reach
+    for i in range(observers):
+        taken_end[i], me = count, first[i]
+        if me == end[i]:
+            continue
+        while robot[me] != i:
+            me += 1
+        x, y, own = pose[me, 0], pose[me, 1], station[me]
+        for row in range(first[i], end[i]):
+            dx, dy, j = pose[row, 0] - x, pose[row, 1] - y, robot[row]
+            is_used = row == me or limits.reach < 0.0 or dx * dx + dy * dy <= square
+            if not is_used and j < observers and limits.neighbours >= 0.0:
+                if limits.is_listed:
+                    is_used = limits.adjacency[observers * i + j] != 0
+                else:
+                    is_used = abs(station[row] - own) <= limits.neighbours
+            if is_used:
+                taken[count] = row
+                count += 1
+        taken_end[i] = count
+
+
+def kept_rows(sensed: Sensed, kept: NDArray[Any]) -> Sensed:
+    """Copies of some rows, by a mask or their numbers; ``first`` and ``end`` are as before."""
+    names = ("robot", "pose", "command", "velocity", "reference_station", "age", "heard")
+    return sensed._replace(**{name: getattr(sensed, name)[kept] for name in names})
 
 
 def observer_of_row(sensed: Sensed) -> IntArray:
@@ -158,10 +237,31 @@ def with_poses(scene: Scene, sensed: Sensed, pose: FloatArray) -> Sensed:
     itself misleads nobody.
     """
     reference, own = sensed.reference_station.copy(), sensed.station.copy()
-    who, pose = observer_of_row(sensed), np.array(pose, dtype=np.float64)
-    for row, (x, y, _) in enumerate(pose):
-        j = int(sensed.robot[row])
-        reference[row] = project_near(scene.reference, 0, x, y, float(reference[row]))
-        if j == who[row]:
-            own[j] = project_near(scene.paths, j, x, y, float(own[j]))
+    pose = np.array(pose, dtype=np.float64)
+    follow_poses(
+        scene.reference, scene.paths, len(pose), observer_of_row(sensed), sensed.robot, pose,
+        reference, own, SHORTEST_WINDOW,
+    )  # fmt: skip
     return sensed._replace(pose=pose, reference_station=reference, station=own)
+
+
+@compiled
+def follow_poses(
+    reference: Polylines,
+    paths: Polylines,
+    rows: int,
+    observer: IntArray,
+    robot: IntArray,
+    pose: Rows3,
+    station: FloatArray,
+    own: FloatArray,
+    window: float,
+) -> None:
+    """Move stations (M,) of rows, and the ``own`` (N,) of observers, along with their poses."""
+    for row in range(rows):
+        x, y = pose[row, 0], pose[row, 1]
+        if not isnan(x):  # else it is not seen
+            station[row], _, _ = track(reference, 0, x, y, station[row], window)
+            j = robot[row]
+            if j == observer[row]:
+                own[j], _, _ = track(paths, j, x, y, own[j], window)

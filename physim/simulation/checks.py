@@ -220,6 +220,7 @@ def decision_fault(
 ROWS: dict[str, tuple[type, tuple[int, ...]]] = {
     "robot": (np.int64, ()), "pose": (np.float64, (3,)), "command": (np.float64, (2,)),
     "velocity": (np.float64, (3,)), "reference_station": (np.float64, ()), "age": (np.float64, ()),
+    "heard": (np.float64, ()),
 }  # fmt: skip
 """Type of each array of a `Sensed` with a row for each body that is sensed, and shape of a row"""
 OBSERVERS: dict[str, type] = {"first": np.int64, "end": np.int64, "station": np.float64}
@@ -229,8 +230,9 @@ OBSERVERS: dict[str, type] = {"first": np.int64, "end": np.int64, "station": np.
 def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
     """What a stage made of the rows it was given, copied; what stayed the same array stays.
 
-    Raises ControllerError for rows that are not finite or do not fit, and of another step; every
-    observer must have one of itself, and none of a robot twice.
+    Poses and velocities may be NaN, of what is not seen; ``heard`` follows ``age`` where the stage
+    does not speak of it. Raises ControllerError for other rows that are not finite, or do not fit,
+    and of another step; every observer must have one of itself, and none of a robot twice.
     """
     if found is given:
         return given
@@ -242,6 +244,10 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
             "age, and the step of now: sensed._replace(step=...)"
         )
     rows = len(found.robot) if np.ndim(found.robot) else None
+    if np.shape(found.heard) != np.shape(found.age) or (
+        found.heard is given.heard and found.age is not given.age
+    ):
+        found = found._replace(heard=found.age)
     shapes = {name: (own, (rows, *row)) for name, (own, row) in ROWS.items()}
     shapes |= {name: (own, (scene.robots,)) for name, own in OBSERVERS.items()}
     arrays: dict[str, Any] = {}
@@ -249,7 +255,13 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
         values = getattr(found, name)
         if values is not getattr(given, name):
             values = array_of(name, values, own, shape)
-            if not np.isfinite(values).all():
+            is_fine = np.isfinite(values)
+            if name in ("pose", "velocity"):
+                unseen = np.isnan(arrays.get("pose", values)).all(axis=1, keepdims=True)
+                is_fine |= unseen & np.isnan(values)
+            elif name == "heard":
+                is_fine |= values == np.inf
+            if not is_fine.all():
                 raise ControllerError(f"{name} is not finite")
         elif values.shape != shape:  # of other rows than the others are
             raise ControllerError(f"{name} has the shape {values.shape}; it must be {shape}")
@@ -266,6 +278,11 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
         )
     i, j = rows_fault(robot, len(robot), sensed.first, sensed.end, robots)
     if i < 0:
+        unseen = np.isnan(sensed.pose[:, 0])
+        for i in range(robots if unseen.any() else 0):
+            rows_i = sensed.rows(i)
+            if unseen[rows_i][robot[rows_i] == i].any():
+                raise ControllerError(f"the pose of {names[i]} in its own row is not finite")
         return sensed
     if j < 0:
         raise ControllerError(

@@ -20,7 +20,7 @@ from physim.contacts import CONTACT_ROW
 from physim.errors import ControllerError, PhysimError, WorldError, plural
 from physim.geometry.clearance import ClearanceFinder, Clearances
 from physim.geometry.path import Tracking
-from physim.geometry.shapes import FloatArray, locked, read_only
+from physim.geometry.shapes import FloatArray, IntArray, locked, read_only
 from physim.parts.controller import FASTEST, Controller, Observation, Sensed, Snapshot
 from physim.parts.declarations import NO_NUMBER, Declared
 from physim.parts.registry import (
@@ -38,6 +38,7 @@ from physim.parts.stages import (
     SensingStage,
     Step,
     everybody,
+    kept_rows,
     shared,
 )
 from physim.parts.user_code import broken_by, is_shipped, kind_of, naming
@@ -45,7 +46,7 @@ from physim.simulation.arrays import Arrays
 from physim.simulation.arrival import Arrivals
 from physim.simulation.branching import branch_of
 from physim.simulation.checks import taken_commands, taken_sensed
-from physim.simulation.decisions import Asked, Decided, decide, replaced
+from physim.simulation.decisions import NOBODY, Asked, Decided, decide, replaced
 from physim.simulation.engine import Physics
 from physim.simulation.forms import first_memory
 from physim.simulation.observation import View
@@ -79,6 +80,8 @@ class Simulation:
     memory: dict[str, NDArray[Any]]
     _next_due: int
     _sensed: tuple[Sensed, tuple[Any, ...]] | None
+    _looking: IntArray | None
+    """who looks at what is sensed; None: everybody"""
     _view: View | None = None
     _states: tuple[tuple[Any, ...], ...]
     _told: tuple[Snapshot, Any, Decided, FloatArray, FloatArray] | None
@@ -195,7 +198,9 @@ class Simulation:
     @property
     def view(self) -> View:
         """What robots know of this sample, each its own rows."""
-        sensed = self._sense()[0]
+        return self._view_of(self._sense()[0])
+
+    def _view_of(self, sensed: Sensed) -> View:
         view = self._view
         if view is None or view.sensed is not sensed:
             is_same = view is not None and view.scene is self.scene
@@ -248,7 +253,7 @@ class Simulation:
     def _step(self, decided: Decided) -> None:
         """Make a step with what was decided."""
         truth = self.now
-        sensing = self._sense()[1] if self._parts[SENSE] else ()
+        sensing = self._sense(NOBODY)[1] if self._parts[SENSE] else ()
         nominal = decided.nominal
         filtered, filters = self._run_stage(FILTERED, nominal)
         applied, disturbances = self._run_stage(DISTURBED, filtered)
@@ -273,6 +278,10 @@ class Simulation:
         method = kind.calls[1].partition("(")[0]
         for part, state in zip(parts, self._states[stage], strict=True):
             call = getattr(part, method)
+            if is_shipped(part):
+                given, own = call(self.scene, known, given, state)
+                states.append(own)
+                continue
             with naming(f"{kind.word} {type(part).__name__} at {self.time:g} s", call):
                 answer = call(self.scene, known, given, state)
                 if type(answer) is not tuple or len(answer) != 2:
@@ -287,10 +296,22 @@ class Simulation:
             states.append(answer[1])
         return given, tuple(states)
 
-    def _sense(self) -> tuple[Sensed, tuple[Any, ...]]:
-        """What robots know at this sample, and the states of the stages for the next."""
-        if self._sensed is None:
-            self._sensed = self._run_stage(SENSE, everybody(self.now, self._shared))
+    def _sense(self, looking: IntArray | None = None) -> tuple[Sensed, tuple[Any, ...]]:
+        """What robots know at this sample, and the states of the stages for the next.
+
+        Where stages work on demand, at least those who are ``looking`` know of others.
+        """
+        looking = looking if self._is_on_demand else None
+        if self._sensed is None or not (
+            looking is NOBODY or self._looking is None or self._looking is looking
+        ):
+            if looking is NOBODY:
+                given = self._nothing._replace(step=self.now.step)
+            else:
+                rows = self._shared if looking is None else shared(self.scene.robots, looking)
+                given = everybody(self.now, rows)
+            self._looking = looking
+            self._sensed = self._run_stage(SENSE, given)
         return self._sensed
 
     def _given(self, commands: FloatArray) -> Decided:
@@ -307,7 +328,8 @@ class Simulation:
         if self.now.step < self._next_due:
             return Decided(self.now.command)
         due = read_only((self.next_decision <= self.now.step).nonzero()[0])
-        decided = decide(self._asked, self.view, due, self.now.command, self.memory)
+        view = self._view_of(self._sense(due)[0])
+        decided = decide(self._asked, view, due, self.now.command, self.memory)
         if decided.decisions is not None:
             self.mode = replaced(self.mode, due, decided.decisions.mode)
         self.next_decision = replaced(self.next_decision, due, decided.next_step)
@@ -440,6 +462,8 @@ class Simulation:
         self.memory = first_memory(self._asked.form, scene)
         self._shared = shared(robots)
         self._parts = tuple(map(self.parts.of, STAGES))
+        demands = [getattr(part, "on_demand", False) for part in self._parts[SENSE]]
+        self._is_on_demand = bool(demands) and all(demands) and not self._parts[FILTERED]
         self._limits = {FILTERED: scene.limits, DISTURBED: np.full((robots, 2), FASTEST)}
         states = []
         for kind, parts in zip(STAGES, self._parts, strict=True):
@@ -458,6 +482,8 @@ class Simulation:
         self._next_due, self._told = 0, None
         still = read_only(np.zeros((robots, 3)))
         self._take(0, read_only(self.physics.pose), read_only(np.zeros((robots, 2))), still)
+        rows = everybody(self.now, shared(robots, NOBODY))
+        self._nothing = kept_rows(rows, np.zeros(0, np.int64))
 
     @property
     def _distances(self) -> Clearances:

@@ -7,11 +7,11 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from physim.disturbances.rows import moved, moving, own_rows
+from physim.compiled import compiled
+from physim.disturbances.rows import moved, moving
 from physim.errors import Fault, Location
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray, Rows3
 from physim.parts.controller import Sensed, Snapshot
-from physim.parts.stages import observer_of_row
 from physim.world import World
 from physim.world.scene import Scene
 
@@ -50,12 +50,12 @@ class Delay:
 
     def __init__(self, settings: DelaySettings | None = None) -> None:
         self.settings = settings or DelaySettings()
+        self.is_off = not (self.settings.steps or self.settings.seconds)
 
     def world_faults(self, world: World, where: Location) -> list[Fault]:
         """Refuse a delay that is longer than the run."""
-        s, time = self.settings, world.time
-        late = s.steps * time.step if s.steps else s.seconds
-        return late_faults(late, world, (*where, "steps" if s.steps else "seconds"))
+        dt, key = world.time.step, "steps" if self.settings.steps else "seconds"
+        return late_faults(self._steps(dt) * dt, world, (*where, key))
 
     def start(self, scene: Scene) -> Past:
         """Nothing is past yet."""
@@ -65,34 +65,60 @@ class Delay:
         self, scene: Scene, truth: Snapshot, sensed: Sensed, state: Past
     ) -> tuple[Sensed, Past]:
         """Rows of the past; before there is one so old, of the first sample."""
-        s = self.settings
-        steps = s.steps or round(s.seconds / scene.dt)
-        if steps == 0:
-            return sensed, state
-        now = (*moving(truth), *((truth.station, truth.reference_station) if s.own else ()))
+        own, steps = self.settings.own, self._steps(scene.dt)
+        now = (*moving(truth), *((truth.station, truth.reference_station) if own else ()))
         later = (*state[-steps + 1 :], now) if steps > 1 else (now,)
         if not state or not len(sensed.robot):
             return sensed, later
-        then, rows = state[-steps:][0], own_rows(scene, sensed)
-        late, robot = min(steps, len(state)) * scene.dt, rows.robot
-        seen = np.full(len(robot), True) if s.own else robot != observer_of_row(rows)
-        # what a stage before this one changed stays: rows that hold the truth get the past exactly
-        pose, velocity = (
-            np.where(seen[:, None], old[robot] + (given - new[robot]), given)
-            for old, given, new in zip(then, (rows.pose, rows.velocity), now, strict=False)
-        )
-        rows = rows._replace(velocity=velocity, age=np.where(seen, rows.age + late, rows.age))
-        if s.own:
-            told = robot < scene.robots
-            station = rows.reference_station.copy()
-            j = robot[told]
+        then, late = state[-steps:][0], min(steps, len(state)) * scene.dt
+        pose, velocity, age = sensed.pose.copy(), sensed.velocity.copy(), sensed.age.copy()
+        put_past(
+            own, late, scene.robots, sensed.first, sensed.end, sensed.robot, then[0], then[1],
+            now[0], now[1], pose, velocity, age,
+        )  # fmt: skip
+        rows = sensed._replace(velocity=velocity, age=age)
+        if own:
+            told = np.flatnonzero(rows.robot < scene.robots)
+            station, j = rows.reference_station.copy(), rows.robot[told]
             station[told] = then[3][j] + (station[told] - now[3][j])
             rows = rows._replace(
-                station=then[2] + (rows.station - now[2]),
-                reference_station=station,
-                heard=rows.heard + np.where(robot == observer_of_row(rows), 0.0, late),
-            )
+                station=then[2] + (rows.station - now[2]), reference_station=station,
+                heard=rows.heard + late,
+            )  # fmt: skip
         return moved(scene, rows, pose), later
+
+    def _steps(self, dt: float) -> int:
+        return self.settings.steps or round(self.settings.seconds / dt)
+
+
+@compiled
+def put_past(
+    own: bool,
+    late: float,
+    robots: int,
+    first: IntArray,
+    end: IntArray,
+    robot: IntArray,
+    pose_then: Rows3,
+    velocity_then: Rows3,
+    pose_now: Rows3,
+    velocity_now: Rows3,
+    pose: Rows3,
+    velocity: Rows3,
+    age: FloatArray,
+) -> None:
+    """Put the past into rows of what is seen; what stages before changed stays.
+
+    Rows that hold the truth get the past exactly.
+    """
+    for i in range(robots):
+        for row in range(first[i], end[i]):
+            j = robot[row]
+            if own or j != i:
+                age[row] += late
+                for m in range(3):
+                    pose[row, m] = pose_then[j, m] + (pose[row, m] - pose_now[j, m])
+                    velocity[row, m] = velocity_then[j, m] + (velocity[row, m] - velocity_now[j, m])
 
 
 def late_faults(late: float, world: World, where: Location) -> list[Fault]:

@@ -16,8 +16,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from physim.compiled import compiled
-from physim.geometry.shapes import Flags, IntArray
-from physim.randomness import Words, philox, purpose_key, share
+from physim.randomness import Words, philox, share
 
 
 class Losses(BaseModel):
@@ -63,10 +62,6 @@ class Losses(BaseModel):
         good = 1.0 / self.burst
         return Chance(good * p / (1.0 - p), good, p)
 
-    def key(self, seed: int, purpose: str) -> Words:
-        """Key of the draws."""
-        return np.array([seed, purpose_key(f"{purpose} {self.stream}")], dtype=np.uint64)
-
 
 class Chance(NamedTuple):
     """Chances of a slot."""
@@ -103,37 +98,3 @@ def last_drawn(key: Words, chance: Chance, slot: int, i: int, j: int) -> LastDra
             return LastDrawn(slot, False)
         slot -= 1
     return LastDrawn(0, False)
-
-
-@compiled
-def put_lost(
-    key: Words, chance: Chance, slot: int, many: int, i: IntArray, j: IntArray, out: Flags
-) -> None:
-    """Write whether the link of each pair is bad in a slot; of a robot to itself it never is."""
-    for k in range(many):
-        out[k] = i[k] != j[k] and last_drawn(key, chance, slot, i[k], j[k]).is_bad
-
-
-@compiled
-def put_heard(
-    key: Words,
-    chance: Chance,
-    newest: int,
-    oldest: int,
-    many: int,
-    i: IntArray,
-    j: IntArray,
-    out: IntArray,
-) -> None:
-    """Write the last slot of each pair, up to the ``newest``, that was not lost.
-
-    The ``oldest`` counts as heard, and a robot hears itself.
-    """
-    for k in range(many):
-        slot = newest
-        while slot > oldest and i[k] != j[k]:
-            last = last_drawn(key, chance, slot, i[k], j[k])
-            if not last.is_bad:
-                break
-            slot = last.slot - 1
-        out[k] = max(slot, oldest)

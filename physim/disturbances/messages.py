@@ -8,18 +8,19 @@ either nothing is known. At the start all know where all stand.
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from physim.compiled import compiled
 from physim.disturbances.delay import late_faults
-from physim.disturbances.losses import Losses, put_heard
-from physim.disturbances.rows import moved, own_rows, without
+from physim.disturbances.losses import Chance, Losses, last_drawn
+from physim.disturbances.rows import moved, without
 from physim.errors import Fault, Location
-from physim.geometry.shapes import Flags, FloatArray
+from physim.geometry.shapes import Flags, FloatArray, IntArray
 from physim.parts.controller import Sensed, Snapshot
-from physim.parts.stages import observer_of_row
+from physim.randomness import Words, purpose_key
 from physim.world import World
 from physim.world.scene import Scene
 
@@ -53,6 +54,9 @@ class Messages:
 
     def __init__(self, settings: MessagesSettings | None = None) -> None:
         self.settings = settings or MessagesSettings()
+        self._chance = self.settings.chance
+        self._purpose = purpose_key(f"messages {self.settings.stream}")
+        self.is_off = not (self.settings.probability or self.settings.delay)
 
     def world_faults(self, world: World, where: Location) -> list[Fault]:
         """Refuse a delay that is longer than the run."""
@@ -62,51 +66,102 @@ class Messages:
         """Nothing is told yet."""
 
     def sense(
-        self, scene: Scene, truth: Snapshot, sensed: Sensed, state: FloatArray | None
+        self, scene: Scene, truth: Snapshot, sensed: Sensed, before: FloatArray | None
     ) -> tuple[Sensed, FloatArray | None]:
         """Rows with what was heard last.
 
         The state holds what was told in the last slots, (K, N, C + 1): commands and stations.
         """
         s, step = self.settings, truth.step
-        if not s.probability and not s.delay:
-            return sensed, state
         every, keep = s.slot_steps(scene.dt), round(s.keep / scene.dt)
+        state = before
         if state is None or step % every == 0:
             told = np.column_stack((truth.command, truth.reference_station))[None]
-            most = keep // every + 1
-            state = told if state is None else np.concatenate((state[-most:], told))
+            state = told
+            if before is not None:
+                state = np.concatenate((before[-(keep // every) - 1 :], told))
         if not len(sensed.robot):
             return sensed, state
-        rows = own_rows(scene, sensed)
-        who, whom, slot = observer_of_row(rows), rows.robot, np.empty(len(rows.robot), np.int64)
         oldest = step // every - len(state) + 1
         newest = max((step - round(s.delay / scene.dt)) // every, oldest)
-        key = s.key(scene.seed, "messages")
-        put_heard(key, s.chance, newest, oldest, len(slot), who, whom, slot)
-        is_told = np.isfinite(rows.heard) & (whom != who)
-        late = step - np.maximum(slot * every, 0)
-        lost = is_told & (late > keep)
-        at = np.flatnonzero(is_told & ~lost)
-        if len(at):
-            j, last = whom[at], state[slot[at] - oldest, whom[at]]
-            command, station = rows.command.copy(), rows.reference_station.copy()
-            heard = rows.heard.copy()
-            command[at] = last[:, :-1]
-            # a stage before this one may have changed it: rows that hold the truth get the past
-            station[at] = last[:, -1] + (station[at] - truth.reference_station[j])
-            heard[at] += late[at] * scene.dt
-            rows = rows._replace(command=command, reference_station=station, heard=heard)
+        command, heard = sensed.command.copy(), sensed.heard.copy()
+        station, lost = sensed.reference_station.copy(), np.zeros(len(heard), np.bool_)
+        key = np.array([scene.seed, self._purpose], dtype=np.uint64)
+        slots = Slots(newest, oldest, step, every, keep, scene.dt, state.reshape(-1))
+        put_heard(
+            key, self._chance, slots, scene.robots, command.shape[1], sensed.first, sensed.end,
+            sensed.robot, truth.reference_station, command.reshape(-1), station, heard, lost,
+        )  # fmt: skip
+        rows = sensed._replace(command=command, reference_station=station, heard=heard)
         return forgotten(scene, rows, lost), state
+
+
+class Slots(NamedTuple):
+    """When messages were sent, and what they said."""
+
+    newest: int
+    """that may have come"""
+    oldest: int
+    """that is remembered; it counts as heard"""
+    step: int
+    """now"""
+    every: int
+    """steps of a slot"""
+    keep: int
+    """[steps] for how long what was heard is kept"""
+    dt: float
+    told: FloatArray
+    """(K N (C + 1),) commands and station of each robot, from the oldest slot on"""
+
+
+@compiled
+def put_heard(
+    key: Words,
+    chance: Chance,
+    slots: Slots,
+    robots: int,
+    columns: int,
+    first: IntArray,
+    end: IntArray,
+    robot: IntArray,
+    station_now: FloatArray,
+    command: FloatArray,
+    station: FloatArray,
+    heard: FloatArray,
+    lost: Flags,
+) -> None:
+    """Put what was heard last into rows of others: commands (M C,), stations and ages (M,).
+
+    What stages before changed of stations stays; rows that hold the truth get the past exactly.
+    ``lost`` are rows of which nothing was heard for so long that it is forgotten.
+    """
+    for i in range(robots):
+        for row in range(first[i], end[i]):
+            j, slot = robot[row], slots.newest
+            if j == i or not heard[row] < np.inf:
+                continue
+            while slot > slots.oldest:
+                last = last_drawn(key, chance, slot, i, j)
+                if not last.is_bad:
+                    break
+                slot = last.slot - 1
+            slot = max(slot, slots.oldest)
+            late = slots.step - slots.every * slot
+            if late > slots.keep:
+                lost[row], heard[row] = True, np.inf
+                continue
+            at = (robots * (slot - slots.oldest) + j) * (columns + 1)
+            for m in range(columns):
+                command[columns * row + m] = slots.told[at + m]
+            station[row] = slots.told[at + columns] + (station[row] - station_now[j])
+            heard[row] += late * slots.dt
 
 
 def forgotten(scene: Scene, rows: Sensed, lost: Flags) -> Sensed:
     """Rows of which some, ``lost`` (M,), are not told: estimated from what is seen, or left out."""
-    if not lost.any():
+    if not np.count_nonzero(lost):
         return rows
-    rows = without(
-        rows._replace(heard=np.where(lost, np.inf, rows.heard)), lost & np.isnan(rows.pose[:, 0])
-    )
+    rows = without(rows, lost & np.isnan(rows.pose[:, 0]))
     at = np.isinf(rows.heard) & (rows.robot < scene.robots)
     command, heading = rows.command.copy(), rows.pose[at, 2]
     vx, vy, turn = rows.velocity[at].T

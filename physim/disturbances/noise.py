@@ -12,21 +12,20 @@ told, too.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import cos, hypot, sin, sqrt
+from math import cos, hypot, isnan, sin, sqrt
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from physim.compiled import compiled
-from physim.disturbances.rows import moved, moving, own_rows
+from physim.disturbances.rows import moving
 from physim.errors import Fault, Location
-from physim.geometry.path import SHORTEST_WINDOW
-from physim.geometry.shapes import FloatArray, IntArray, Rows3, Rows4
+from physim.geometry.path import SHORTEST_WINDOW, track
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows3
 from physim.parts.controller import Sensed, Snapshot
 from physim.parts.registry import OF_ROBOTS, make_part
-from physim.parts.stages import follow_poses, observer_of_row
-from physim.randomness import Words, draw, purpose_key, words
+from physim.randomness import Words, draw_normal, purpose_key
 from physim.world import World
 from physim.world.scene import Scene
 
@@ -80,7 +79,8 @@ class Noise:
         self._size = Size(
             s.position, s.heading, *s.bias, s.heading_bias, s.of != "others", s.of != "own"
         )
-        self._is_off = not any(self._size[:5])
+        self.is_off = not any(self._size[:5])
+        self._purpose = purpose_key(f"noise {s.stream}")
         self._window = max(SHORTEST_WINDOW, 8.0 * s.position + hypot(*s.bias))
 
     def world_doubts(self, world: World, where: Location) -> Iterator[Fault]:
@@ -109,65 +109,92 @@ class Noise:
         self, scene: Scene, truth: Snapshot, sensed: Sensed, state: Any
     ) -> tuple[Sensed, Any]:
         """Rows with errors; what robots tell of themselves follows their own."""
-        if self._is_off or not len(sensed.robot):
+        if not len(sensed.robot):
             return sensed, state
-        s, (pose, _) = self.settings, moving(truth)
-        rows = own_rows(scene, sensed)
+        s = self.settings
         time = sensed.step * scene.dt / s.correlation if s.correlation else float(sensed.step)
-        key = np.array([scene.seed, purpose_key(f"noise {s.stream}")], dtype=np.uint64)
-        if self._size.of_own:
-            robots = np.arange(scene.robots)
-            believed = pose[: scene.robots] + self._errors(key, time, robots, robots, pose)
-            station, reference = truth.station.copy(), truth.reference_station.copy()
-            follow_poses(
-                scene.reference, scene.paths, scene.robots, robots, robots, believed, reference,
-                station, self._window,
-            )  # fmt: skip
-            shift = np.zeros(len(pose))
-            shift[: scene.robots] = reference - truth.reference_station
-            rows = rows._replace(
-                station=rows.station + (station - truth.station),
-                reference_station=rows.reference_station + shift[rows.robot],
-            )
-        error = self._errors(key, time, observer_of_row(rows), rows.robot, pose)
-        return moved(scene, rows, rows.pose + error), state
-
-    def _errors(
-        self, key: Words, time: float, who: IntArray, whom: IntArray, pose: FloatArray
-    ) -> FloatArray:
-        """Errors (M, 3) of observers ``who`` about bodies ``whom``; ``pose`` are the true ones."""
-        out = np.empty((len(who), 3))
-        knot = int(time)
-        drawn = np.empty((2, len(who), 4))
-        for k in range(2 if self.settings.correlation else 1):
-            draw(key, np.uint64(knot + k), words(who), words(whom), len(who), True, drawn[k])
-        put_errors(self._size, time - knot, len(who), who, whom, pose, drawn[0], drawn[1], out)
-        return out
+        key = np.array([scene.seed, self._purpose], dtype=np.uint64)
+        pose, station = sensed.pose.copy(), sensed.station.copy()
+        reference = sensed.reference_station.copy()
+        put_noise(
+            key, time, self._size, scene.reference, scene.paths, self._window, scene.robots,
+            truth.station, truth.reference_station, moving(truth)[0], sensed.first, sensed.end,
+            sensed.robot, sensed.heard, pose, reference, station,
+        )  # fmt: skip
+        changed = sensed._replace(pose=pose, reference_station=reference, station=station)
+        return changed, state
 
 
 @compiled
-def put_errors(
-    size: Size,
-    along: float,
-    many: int,
-    who: IntArray,
-    whom: IntArray,
-    pose: Rows3,
-    before: Rows4,
-    after: Rows4,
-    out: Rows3,
+def put_error(
+    key: Words, time: float, size: Size, i: int, j: int, heading: float, out: FloatArray
 ) -> None:
-    """Write errors (M, 3) from normal numbers at the knots before and after, ``along`` 0 to 1."""
-    norm = sqrt((1.0 - along) * (1.0 - along) + along * along)
-    a, b = (1.0 - along) / norm, along / norm
-    for k in range(many):
-        i, j = who[k], whom[k]
-        out[k, 0], out[k, 1], out[k, 2] = 0.0, 0.0, 0.0
-        if size.of_own if i == j else size.of_others:
-            c, s = cos(pose[i, 2]), sin(pose[i, 2])
-            x, y, turn = a * before[k, 0], a * before[k, 1], a * before[k, 2]
-            if b > 0.0:  # else there is none after
-                x, y, turn = x + b * after[k, 0], y + b * after[k, 1], turn + b * after[k, 2]
-            out[k, 0] = size.position * x + (c * size.forward - s * size.left)
-            out[k, 1] = size.position * y + (s * size.forward + c * size.left)
-            out[k, 2] = size.heading * turn + size.turned
+    """Write the error (3,) of observer i, who faces along ``heading``, about body j.
+
+    ``time`` counts knots.
+    """
+    knot = int(time)
+    u = time - knot
+    norm, drawn = sqrt((1.0 - u) * (1.0 - u) + u * u), np.empty(4)
+    out[0], out[1], out[2] = 0.0, 0.0, 0.0
+    for k in range(2 if u > 0.0 else 1):
+        share = (1.0 - u if k == 0 else u) / norm
+        draw_normal(key, np.uint64(knot + k), np.uint64(i), np.uint64(j), drawn)
+        for m in range(3):
+            out[m] += share * drawn[m]
+    c, s = cos(heading), sin(heading)
+    out[0] = size.position * out[0] + (c * size.forward - s * size.left)
+    out[1] = size.position * out[1] + (s * size.forward + c * size.left)
+    out[2] = size.heading * out[2] + size.turned
+
+
+@compiled
+def put_noise(
+    key: Words,
+    time: float,
+    size: Size,
+    line: Polylines,
+    paths: Polylines,
+    window: float,
+    robots: int,
+    true_station: FloatArray,
+    true_reference: FloatArray,
+    truth: Rows3,
+    first: IntArray,
+    end: IntArray,
+    robot: IntArray,
+    heard: FloatArray,
+    pose: Rows3,
+    reference: FloatArray,
+    station: FloatArray,
+) -> None:
+    """Add errors to poses (M, 3), and to stations along s* and own paths what follows of them.
+
+    What robots tell follows their own errors, what nobody told follows the pose that is seen.
+    """
+    error, own = np.empty(3), np.empty(3 * robots)
+    shift, is_known = np.zeros(robots), np.zeros(robots, np.int64)
+    for i in range(robots):
+        for row in range(first[i], end[i]):
+            j = robot[row]
+            if size.of_own and j < robots and is_known[j] == 0:
+                put_error(key, time, size, j, j, truth[j, 2], own[3 * j :])
+                x, y = truth[j, 0] + own[3 * j], truth[j, 1] + own[3 * j + 1]
+                at, _, _ = track(line, 0, x, y, true_reference[j], window)
+                shift[j], is_known[j] = at - true_reference[j], 1
+            if j < robots and heard[row] < np.inf:
+                reference[row] += shift[j]
+            if j == i:
+                if size.of_own:
+                    for m in range(3):
+                        pose[row, m] += own[3 * i + m]
+                    x, y = truth[i, 0] + own[3 * i], truth[i, 1] + own[3 * i + 1]
+                    at, _, _ = track(paths, i, x, y, true_station[i], window)
+                    station[i] += at - true_station[i]
+            elif size.of_others and not isnan(pose[row, 0]):
+                put_error(key, time, size, i, j, truth[i, 2], error)
+                for m in range(3):
+                    pose[row, m] += error[m]
+                if not heard[row] < np.inf:
+                    x, y = pose[row, 0], pose[row, 1]
+                    reference[row], _, _ = track(line, 0, x, y, reference[row], window)

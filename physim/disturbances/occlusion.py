@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos, isnan, sin
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from physim.compiled import compiled
-from physim.disturbances.rows import moving, own_rows, unseen
+from physim.disturbances.rows import moving, unseen
 from physim.geometry.shapes import Flags, FloatArray, IntArray, Part, Rows3, Shapes
 from physim.geometry.walls import LEAF, WallTree, leaf_after
 from physim.parts.controller import Sensed, Snapshot
@@ -37,13 +37,12 @@ class Occlusion:
         """Rows in which those behind something are not seen, by where all really are."""
         if not len(sensed.robot):
             return sensed, state
-        rows, (pose, _) = own_rows(scene, sensed), moving(truth)
-        hidden = np.empty(len(rows.robot), np.bool_)
+        hidden, (pose, _) = np.empty(len(sensed.robot), np.bool_), moving(truth)
         put_hidden(
-            scene.wall_tree, scene.shapes, len(pose), pose, len(hidden), observer_of_row(rows),
-            rows.robot, hidden,
+            scene.wall_tree, scene.shapes, len(pose), pose, len(hidden), observer_of_row(sensed),
+            sensed.robot, sensed.pose, hidden,
         )  # fmt: skip
-        return unseen(rows, hidden), state
+        return unseen(sensed, hidden), state
 
 
 class Line(NamedTuple):
@@ -64,12 +63,15 @@ def put_hidden(
     many: int,
     who: IntArray,
     whom: IntArray,
+    seen: Rows3,
     out: Flags,
 ) -> None:
-    """Write whether nothing of bodies ``whom`` is seen by observers ``who``."""
+    """Write of which bodies ``whom`` in sight of ``who`` nothing is seen past others."""
     V, between = shapes.vertices, np.empty(bodies, np.int64)
     for row in range(many):
-        i, j, count = who[row], whom[row], 0
+        i, j, count, out[row] = who[row], whom[row], 0, False
+        if i == j or isnan(seen[row, 0]):
+            continue
         x, y = pose[i, 0], pose[i, 1]
         dx, dy = pose[j, 0] - x, pose[j, 1] - y
         far = np.sqrt(dx * dx + dy * dy) + shapes.radius[j]
@@ -79,7 +81,7 @@ def put_hidden(
                 between[count] = k
                 count += 1
         line = Line(x, y, pose[j, 0], pose[j, 1])
-        hidden = i != j and is_blocked(line, tree, shapes, pose, between, count)
+        hidden = is_blocked(line, tree, shapes, pose, between, count)
         if hidden:
             c, s = cos(pose[j, 2]), sin(pose[j, 2])
             first, end = shapes.body_start[j], shapes.body_start[j + 1]

@@ -4,16 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from physim.geometry.shapes import Flags, FloatArray
+from physim.compiled import compiled
+from physim.geometry.shapes import Flags, FloatArray, Rows3
 from physim.parts.controller import Sensed, Snapshot
-from physim.parts.stages import for_each, kept_rows, observer_of_row, with_poses
+from physim.parts.stages import kept_rows, observer_of_row, with_poses
 from physim.world.scene import Scene
-
-
-def own_rows(scene: Scene, sensed: Sensed) -> Sensed:
-    """Rows that belong to one observer each, in the order of observers, which may use them."""
-    is_apart = int((sensed.end - sensed.first).sum()) == len(sensed.robot)
-    return sensed if is_apart else for_each(sensed, scene)
 
 
 def moving(truth: Snapshot) -> tuple[FloatArray, FloatArray]:
@@ -24,7 +19,7 @@ def moving(truth: Snapshot) -> tuple[FloatArray, FloatArray]:
 def moved(scene: Scene, rows: Sensed, pose: FloatArray) -> Sensed:
     """Rows with other poses (M, 3); stations of what was not told follow them."""
     untold = np.isinf(rows.heard)
-    if untold.any():
+    if np.count_nonzero(untold):
         station = with_poses(scene, rows, pose).reference_station
         station = np.where(untold, station, rows.reference_station)
         rows = rows._replace(reference_station=station)
@@ -33,16 +28,27 @@ def moved(scene: Scene, rows: Sensed, pose: FloatArray) -> Sensed:
 
 def unseen(rows: Sensed, hidden: Flags) -> Sensed:
     """Rows of which some, ``hidden`` (M,), are not seen; without those not told of either."""
-    if not hidden.any():
-        return rows
     pose, velocity = rows.pose.copy(), rows.velocity.copy()
-    pose[hidden], velocity[hidden] = np.nan, np.nan
-    return without(rows._replace(pose=pose, velocity=velocity), hidden & np.isinf(rows.heard))
+    untold = hide_rows(len(hidden), hidden, rows.heard, pose, velocity)
+    rows = rows._replace(pose=pose, velocity=velocity)
+    return without(rows, hidden & np.isinf(rows.heard)) if untold else rows
+
+
+@compiled
+def hide_rows(many: int, hidden: Flags, heard: FloatArray, pose: Rows3, velocity: Rows3) -> int:
+    """Make hidden ones of so many rows unseen; how many of them are not told of either."""
+    count = 0
+    for row in range(many):
+        if hidden[row]:
+            for m in range(3):
+                pose[row, m], velocity[row, m] = np.nan, np.nan
+            count += not heard[row] < np.inf
+    return count
 
 
 def without(rows: Sensed, gone: Flags) -> Sensed:
     """Rows less some, ``gone`` (M,)."""
-    if not gone.any():
+    if not np.count_nonzero(gone):
         return rows
     end = np.cumsum(np.bincount(observer_of_row(rows)[~gone], minlength=len(rows.first)))
     first = np.concatenate(([0], end[:-1]))

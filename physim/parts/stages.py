@@ -32,8 +32,10 @@ class SensingStage(Protocol):
     """Changes what robots know of one another: noise, delay, loss.
 
     A class with ``on_demand = True`` promises that its states do not depend on the rows that it is
-    given. Where all stages do, only observers that look at a step have rows then: those that
-    decide, or all where a filter or somebody outside looks. Where nobody looks there are none.
+    given. It gets rows of each observer's own, as of `for_each`, which must not be written to: of
+    bodies within the sensing range, and of formation neighbours. Where all stages promise it, only
+    observers that look at a step have rows: those that decide, or all where a filter or somebody
+    outside looks. Where nobody looks there are none. With ``is_off``, too, it is not asked at all.
     """
 
     def start(self, scene: Scene) -> Any:
@@ -140,39 +142,51 @@ def everybody(truth: Snapshot, rows: Shared) -> Sensed:
     )  # fmt: skip
 
 
-def shared(robots: int, looking: IntArray | None = None) -> Shared:
-    """Rows that all of N observers share, or those that are ``looking``: others have none."""
+def shared(robots: int) -> Shared:
+    """Rows that all of N observers share."""
     robot, age = read_only(np.arange(robots)), read_only(np.zeros(robots))
-    first, end = np.zeros(robots, np.int64), np.zeros(robots, np.int64)
-    end[slice(None) if looking is None else looking] = robots
+    first, end = np.zeros(robots, np.int64), np.full(robots, robots)
     return robot, read_only(first), read_only(end), age, age
 
 
-def for_each(sensed: Sensed, scene: Scene | None = None) -> Sensed:
-    """Give every observer rows of its own, in the order of observers: copies to be changed.
+def nothing(truth: Snapshot) -> Sensed:
+    """What is sensed where nobody looks: no rows."""
+    none, no = np.zeros(0), np.zeros(0, np.int64)
+    first = np.zeros(len(truth.station), np.int64)
+    return Sensed(
+        truth.step, no, truth.pose[:0], truth.command[:0], truth.velocity[:0], none, none, first,
+        first, truth.station, none,
+    )  # fmt: skip
 
-    With a ``scene`` it has only those that it may use: of itself, of bodies within the sensing
-    range, and of formation neighbours.
+
+def for_each(sensed: Sensed) -> Sensed:
+    """Give every observer rows of its own, in the order of observers: copies to be changed."""
+    return usable_rows(sensed, Usable(-1.0, -1.0, np.zeros(0, np.int64), False))
+
+
+def usable_rows(sensed: Sensed, limits: Usable) -> Sensed:
+    """Give every observer rows of its own, of those that it may use.
+
+    Neighbours beyond its range are told of, and not seen.
     """
     observers, rows = len(sensed.first), int((sensed.end - sensed.first).sum())
-    taken, end = np.empty(rows, np.int64), np.empty(observers, np.int64)
-    limits = Usable(-1.0, -1.0, np.zeros(0, np.int64), False)
-    if scene is not None:
-        plan = scene.formation
-        listed, reach = len(plan.adjacency) > 0, plan.range if plan.active else -1.0
-        limits = Usable(scene.sensing_range, reach, plan.adjacency.reshape(-1), listed)
+    taken, first, end = np.empty(rows, np.int64), *np.empty((2, observers), np.int64)
+    pose, velocity = np.empty((2, rows, 3))
     take_rows(
-        observers, sensed.first, sensed.end, sensed.robot, sensed.pose, sensed.reference_station,
-        limits, taken, end,
+        observers, sensed.first, sensed.end, sensed.robot, sensed.pose, sensed.velocity,
+        sensed.reference_station, limits, taken, first, end, pose, velocity,
     )  # fmt: skip
-    own = kept_rows(sensed, taken[: end[-1]])
-    return own._replace(
-        first=np.concatenate(([0], end[:-1])), end=end, station=sensed.station.copy()
-    )
+    count = int(end[-1])
+    kept = taken[:count]
+    return Sensed(
+        sensed.step, sensed.robot[kept], pose[:count], sensed.command[kept], velocity[:count],
+        sensed.reference_station[kept], sensed.age[kept], first, end, sensed.station.copy(),
+        sensed.heard[kept],
+    )  # fmt: skip
 
 
 class Usable(NamedTuple):
-    """Which rows an observer may use."""
+    """Which rows an observer may use: of itself, of bodies in range, of formation neighbours."""
 
     reach: float
     """[m] of bodies so near; below 0: all rows"""
@@ -183,6 +197,14 @@ class Usable(NamedTuple):
     is_listed: bool
     """whether neighbours are those of ``adjacency`` alone"""
 
+    @staticmethod
+    def of(scene: Scene) -> Usable:
+        """Which rows observers of a scene may use."""
+        plan = scene.formation
+        near = plan.range if plan.active else -1.0
+        listed = len(plan.adjacency) > 0
+        return Usable(scene.sensing_range, near, plan.adjacency.reshape(-1), listed)
+
 
 @compiled
 def take_rows(
@@ -191,15 +213,22 @@ def take_rows(
     end: IntArray,
     robot: IntArray,
     pose: Rows3,
+    velocity: Rows3,
     station: FloatArray,
     limits: Usable,
     taken: IntArray,
+    taken_first: IntArray,
     taken_end: IntArray,
+    taken_pose: Rows3,
+    taken_velocity: Rows3,
 ) -> None:
-    """Write the numbers of the rows of every observer, in their order, into ``taken``."""
+    """Write the numbers of the rows of every observer, in their order, into ``taken``.
+
+    And what it sees of them; NaN beyond its range.
+    """
     count, square = 0, limits.reach * limits.reach
     for i in range(observers):
-        taken_end[i], me = count, first[i]
+        taken_first[i], taken_end[i], me = count, count, first[i]
         if me == end[i]:
             continue
         while robot[me] != i:
@@ -207,14 +236,18 @@ def take_rows(
         x, y, own = pose[me, 0], pose[me, 1], station[me]
         for row in range(first[i], end[i]):
             dx, dy, j = pose[row, 0] - x, pose[row, 1] - y, robot[row]
-            is_used = row == me or limits.reach < 0.0 or dx * dx + dy * dy <= square
-            if not is_used and j < observers and limits.neighbours >= 0.0:
+            is_seen = row == me or limits.reach < 0.0 or dx * dx + dy * dy <= square
+            is_used = is_seen
+            if not is_seen and j < observers and limits.neighbours >= 0.0:
                 if limits.is_listed:
                     is_used = limits.adjacency[observers * i + j] != 0
                 else:
                     is_used = abs(station[row] - own) <= limits.neighbours
             if is_used:
                 taken[count] = row
+                for m in range(3):
+                    taken_pose[count, m] = pose[row, m] if is_seen else np.nan
+                    taken_velocity[count, m] = velocity[row, m] if is_seen else np.nan
                 count += 1
         taken_end[i] = count
 

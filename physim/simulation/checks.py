@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.errors import ControllerError, plural
-from physim.geometry.shapes import FloatArray, IntArray, Rows2, read_only
+from physim.geometry.shapes import Flags, FloatArray, IntArray, Rows2, read_only
 from physim.parts.controller import LONGEST_HOLD, Decisions, Sensed
 from physim.parts.declarations import NO_NUMBER, Declared
 from physim.parts.user_code import kind_of
@@ -276,7 +276,8 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
         raise ControllerError(
             f"robot holds an index that does not exist; allowed: 0 to {robots - 1}"
         )
-    i, j = rows_fault(robot, len(robot), sensed.first, sensed.end, robots)
+    looked = given.end > given.first
+    i, j = rows_fault(robot, len(robot), sensed.first, sensed.end, looked, robots)
     if i < 0:
         unseen = np.isnan(sensed.pose[:, 0])
         for i in range(robots if unseen.any() else 0):
@@ -297,10 +298,10 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
 
 @compiled
 def rows_fault(
-    robot: IntArray, rows: int, first: IntArray, end: IntArray, robots: int
+    robot: IntArray, rows: int, first: IntArray, end: IntArray, looked: Flags, robots: int
 ) -> tuple[int, int]:
     """First observer whose rows are wrong: (i, -1) they are not there, (i, i) it has not one of
-    itself, (i, j) it has several of another; (-1, -1) where none is."""
+    itself, though it ``looked``, (i, j) it has several of another; (-1, -1) where none is."""
     seen = np.full(robots, -1, np.int64)
     for i in range(robots):
         if not 0 <= first[i] <= end[i] <= rows:
@@ -309,6 +310,6 @@ def rows_fault(
             if seen[robot[m]] == i:
                 return i, robot[m]
             seen[robot[m]] = i
-        if seen[i] != i:
+        if looked[i] and seen[i] != i:
             return i, i
     return -1, -1

@@ -23,7 +23,7 @@ from physim.analysis.metrics import DEFINITIONS
 from physim.cli.commands import GROUPS, app_of
 from physim.cli.help import overview, page
 from physim.parts.declarations import STANDARD_COLUMNS
-from physim.parts.registry import CONTROLLER, find_part, settings_model
+from physim.parts.registry import CONTROLLER, DISTURBANCE, SENSING, find_part, settings_model
 from physim.record.layout import TABLE, Attributes, AttributesModel
 from physim.statistics import clopper_pearson
 from physim.world.file.files import shipped_worlds
@@ -57,10 +57,12 @@ def prose(text: str) -> str:
 # Keys of a world
 
 
-def keys(name: str, controller: str = "") -> str:
-    """Table of the keys of a model of `physim.world`, or of the ``settings`` of a controller."""
-    if name == "settings":
-        model = settings_model(find_part(CONTROLLER, controller))
+def keys(name: str, part: str = "") -> str:
+    """Table of the keys of a model of `physim.world`, or of a part: the ``settings`` of a
+    controller, keys of a ``sensing`` stage or of one of the ``disturbances``."""
+    if part:
+        kinds = {"settings": CONTROLLER, "sensing": SENSING, "disturbances": DISTURBANCE}
+        model = settings_model(find_part(kinds[name], part))
         assert model is not None
     else:
         model = getattr(physim.world, name)
@@ -71,7 +73,7 @@ def keys(name: str, controller: str = "") -> str:
         default = "required" if field.is_required() else default_of(field.get_default())
         rows.append((f"`{key}`", prose(text), unit or "", default, kind(properties[key])))
     head = ("key", "meaning", "unit", "default", "type and bounds")
-    return f'<a id="key-{controller or slug(name)}"></a>\n\n{table(head, rows)}'
+    return f'<a id="key-{part or slug(name)}"></a>\n\n{table(head, rows)}'
 
 
 def slug(name: str) -> str:

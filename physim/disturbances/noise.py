@@ -26,6 +26,7 @@ from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows3
 from physim.parts.controller import Sensed, Snapshot
 from physim.parts.registry import OF_ROBOTS, make_part
 from physim.randomness import Words, draw_normal, purpose_key
+from physim.tolerances import SHARE
 from physim.world import World
 from physim.world.scene import Scene
 
@@ -93,7 +94,7 @@ class Noise:
                 kept = getattr(getattr(made, "settings", None), name, None)
                 is_met = s.of != "others" if name == "boundary_low" else True
                 size = 3.0 * s.position if name == "boundary_low" else beyond
-                if is_met and isinstance(kept, float) and size > kept:
+                if is_met and isinstance(kept, float) and size > kept * (1.0 + SHARE):
                     yield Fault(
                         (*where, "position"),
                         f"distances are wrong by up to {size:.3g} m (3 standard deviations), "

@@ -13,7 +13,7 @@ from physim.world.scene import Scene
 
 def moving(truth: Snapshot) -> tuple[FloatArray, FloatArray]:
     """Poses and velocities (B, 3) of all bodies that rows are about."""
-    return truth.pose, truth.velocity
+    return truth.moving_pose, truth.moving_velocity
 
 
 def moved(scene: Scene, rows: Sensed, pose: FloatArray) -> Sensed:

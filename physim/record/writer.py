@@ -110,8 +110,8 @@ class RecordWriter:
         ``accessible`` and ``safe`` are rings (n, 2) [m] for pictures, ``safe`` at ``safe_distance``
         [m] from the boundaries. ``name`` and ``record_every`` [steps] are those of the scene's
         world where they are not given. ``declared`` are modes, rules and columns of the controller,
-        ``tables`` those of `layout.OPTIONAL` that the run fills, ``given`` the parts that came from
-        Python, with their ``given_settings`` where these are known. ``begun_at`` is the step of the
+        ``tables`` the optional ones that the run fills, ``given`` the parts that came from Python,
+        with their ``given_settings`` where these are known. ``begun_at`` is the step of the
         first sample, ``begun_along`` (N, 3) [m] where robots are then, as `Layout.begun_along` has
         it. Raises RecordError where the file cannot be written, where another run is writing it,
         and, without ``overwrite``, where it exists; PhysimError for what is no regular file.
@@ -119,10 +119,12 @@ class RecordWriter:
         world = getattr(scene, "world", None)
         every = record_every or (int(world.time.record_every) if world else 1)
         self.path = None if path is None else Path(path)
-        self.robots = len(scene.start)
+        self.robots, self.moving = len(scene.start), len(scene.shapes.radius)
         self.extremes = Extremes(self.robots)
         self.arrived = np.full(self.robots, -1, dtype=np.int64)
-        self.types = layout.row_types(self.robots, [column.name for column in declared.columns])
+        self.types = layout.row_types(
+            self.robots, self.moving, [column.name for column in declared.columns]
+        )
         """type of the rows of each dataset that grows, by its path"""
         self._waiting: dict[str, list[NDArray[Any]]] = {path: [] for path in self.types}
         self._flush_every_s = flush_every_s
@@ -178,7 +180,7 @@ class RecordWriter:
                 self._file.create_group(layout.WALL_CLOCK)
                 self._datasets = {
                     path: self._made(one, scene.steps // every + 2)
-                    for path, one in layout.TABLE.items()
+                    for path, one in layout.held(tables).items()
                 }
                 self.flush()
         except BaseException:
@@ -200,7 +202,7 @@ class RecordWriter:
     def append_steps(
         self, step: ArrayLike, pose: ArrayLike, clearance: ArrayLike, boundary_clearance: ArrayLike
     ) -> None:
-        """Append B samples: step (B,), pose (B, N, 3), clearances (B, N) [m].
+        """Append S samples: step (S,), pose (S, B, 3) of all that moves, clearances (S, N) [m].
 
         Goes to the file when the time has come; append the decisions and contacts of the samples
         before, then a killed run's tables end with its samples.

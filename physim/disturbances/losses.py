@@ -16,6 +16,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from physim.compiled import compiled
+from physim.disturbances.named import Stream
 from physim.randomness import Words, philox, share
 
 
@@ -35,9 +36,7 @@ class Losses(BaseModel):
         description="mean number that is lost one after the other; when absent, each is lost "
         "independently of the others",
     )
-    stream: Annotated[int, Field(ge=0, le=10**6)] = Field(
-        default=0, description="number of the draws: with another number losses are independent"
-    )
+    stream: Stream = 0
 
     @model_validator(mode="after")
     def _consistent(self) -> Losses:

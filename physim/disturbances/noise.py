@@ -19,6 +19,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from physim.compiled import compiled
+from physim.disturbances.named import Stream
 from physim.disturbances.rows import moving
 from physim.errors import Fault, Location
 from physim.geometry.path import SHORTEST_WINDOW, track
@@ -52,9 +53,7 @@ class NoiseSettings(BaseModel):
     of: Literal["all", "own", "others"] = Field(
         default="all", description="whose pose a robot errs about: its own, that of others, or all"
     )
-    stream: Annotated[int, Field(ge=0, le=10**6)] = Field(
-        default=0, description="number of the draws: with another number noise is independent"
-    )
+    stream: Stream = 0
 
 
 class Size(NamedTuple):

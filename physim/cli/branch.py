@@ -75,8 +75,6 @@ def branch(
       physim branch runs/ten_robots-21 --at 82.2 --set controller.horizon=6 -o longer
       physim branch mine/record.h5 --at 3 --original my_module:Mine --controller my_module:Better
     """
-    from physim.analysis.parting import parting
-    from physim.analysis.summary import summarise, table
     from physim.record import Record as Opened
     from physim.simulation.recorder import SaveAt
     from physim.simulation.run import record_run
@@ -92,6 +90,10 @@ def branch(
                     save=SaveAt(states="usual", sensed="sensed" in before.tables),
                     progress=bar.simulated if bar.visible else None, stop=interrupt, origin=origin,
                 )  # fmt: skip
+            # not needed before: the branch is to begin at once
+            from physim.analysis.parting import parting
+            from physim.analysis.summary import summarise, table
+
             summary = summarise(after)
             write_text(folder / SUMMARY, summary.to_json())
             parted = parting(before, after)

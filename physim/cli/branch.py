@@ -68,7 +68,8 @@ def branch(
       0    ran, and the branch met everything under "expect:" in the world
       1    ran, but did not meet an expectation
       2    bad input: one line for each fault says what and where
-      130  interrupted (Ctrl-C): record and videos end there and are complete
+      130  interrupted (Ctrl-C): the record ends there and is complete; of a video under way what
+           there is is kept as NAME.cut_short.mp4
 
     examples:
       physim branch runs/ten_robots-21 --at 82.2 --controller path_following
@@ -110,7 +111,9 @@ def branch(
         print(f"the two runs part: {parted or 'nowhere while both last'}")
         print(files_written(folder))
     if interrupt():
-        print(f"interrupted at {simulation.time:g} s of simulated time", file=sys.stderr)
+        at_once = after.ended == "interrupted"
+        where = f"at {simulation.time:g} s of simulated time" if at_once else "before all is shown"
+        print(f"interrupted {where}", file=sys.stderr)
         return INTERRUPTED
     return 0 if all(one.held for one in summary.expectations) else FAILED
 

@@ -68,8 +68,8 @@ def branch(
       0    ran, and the branch met everything under "expect:" in the world
       1    ran, but did not meet an expectation
       2    bad input: one line for each fault says what and where
-      130  interrupted (Ctrl-C): the record ends there and is complete; of a video under way what
-           there is is kept as NAME.cut_short.mp4
+      130  interrupted (Ctrl-C): the record ends there and is complete; a video that is cut short is
+           kept as NAME.cut_short.mp4
 
     examples:
       physim branch runs/ten_robots-21 --at 82.2 --controller path_following

@@ -52,8 +52,8 @@ six robots go straight by it; more rounds in crowds would cost more than all els
 class Physics:
     """N bodies among walls as rigid bodies that follow commands and are stopped by contact.
 
-    The first of them are robots. Then may stand movers, of infinite mass, which follow timed paths
-    whatever stands there, and obstacles that can be pushed, which are robots that want to stand.
+    Robots come first. Movers, of infinite mass, follow timed paths whatever stands there; obstacles
+    that can be pushed are like robots that want to stand.
 
     While something touches, a step first asks the engine what contacts allow of the wanted
     velocities (push); then every body moves with the velocity it may have, and the contacts at
@@ -122,8 +122,8 @@ class Physics:
         self._parking[:, 1] = room + walls.vertices[:, 1].max(initial=0.0)
 
         self._goes_on = np.isinf(mass)
-        first, count = int(np.argmax(self._goes_on)), int(self._goes_on.sum())
-        self._movers, self._paths = slice(first, first + count), movers if count else None
+        self._movers = np.flatnonzero(self._goes_on)
+        self._paths = movers if len(self._movers) else None
         finite = np.where(self._goes_on, 0.0, mass)
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(finite)]
         self._inertia = np.array(inertia, dtype=np.float64).reshape(-1, 3)

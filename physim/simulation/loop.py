@@ -323,25 +323,26 @@ class Simulation:
             self.physics.contacts = np.concatenate(
                 (self.physics.contacts, grazes), dtype=CONTACT_ROW
             )
-        self._arrivals.follow(self._tracking, step, pose[: self.scene.robots])
+        self._arrivals.follow(self._tracking, step, pose)
         self._take(step, pose, nominal, read_only(velocity))
 
     def _take(self, step: int, pose: FloatArray, nominal: FloatArray, velocity: FloatArray) -> None:
-        along, n, bodies = self._tracking.stations, self.scene.robots, len(pose)
-        moving, command, station = (pose, velocity), nominal, along[2]
+        own, beside, station = self._tracking.stations
+        every, speeds, command, along = pose, velocity, nominal, station
+        n, bodies = len(station), len(pose)
         if bodies > n:
-            pose, velocity, station = pose[:n], velocity[:n], np.empty(bodies)
-            station[:n] = along[2]
-            put_projected(self.scene.reference, moving[0], n, bodies, station)
+            pose, velocity, along = pose[:n], velocity[:n], np.empty(bodies)
+            along[:n] = station
+            put_projected(self.scene.reference, every, n, bodies, along)
             if step and nominal is self.now.command:
                 command = self.now.moving_command
             else:
                 command = np.zeros((bodies, nominal.shape[1]))
                 command[:n] = nominal
                 read_only(command)
-            read_only(station)
+            read_only(along)
         self.now = Snapshot(
-            step, pose, nominal, velocity, along[0], along[1], along[2], *moving, command, station
+            step, pose, nominal, velocity, own, beside, station, every, speeds, command, along
         )
         self._sensed = None
 

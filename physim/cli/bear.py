@@ -117,7 +117,7 @@ def bear(
     def turn(known: Mapping[int, Decision]) -> int | None:
         nonlocal now
         k = next_strength(known, len(strengths) - 1)
-        now = "" if k is None else f"strength {len(known) + 1}: {vary} = {strengths[k]:g}"
+        now = "" if k is None else f"{vary} = {strengths[k]:g}"
         return k
 
     steps = 2 + math.ceil(math.log2(len(strengths)))

@@ -156,11 +156,6 @@ def put_projected(lines: Polylines, pose: Rows3, first: int, end: int, station: 
         station[i], _, _ = project(lines, 0, pose[i, 0], pose[i, 1], -np.inf, np.inf)
 
 
-def project_near(lines: Polylines, k: int, x: float, y: float, near: float) -> float:
-    """Station [m] of the point of path k next to (x, y), by `track` from ``near`` on."""
-    return float(track(lines, k, x, y, near, SHORTEST_WINDOW)[0])
-
-
 @dataclass(frozen=True, init=False, eq=False)
 class Path:
     """One polyline of waypoints with its arc length; it cannot be changed."""

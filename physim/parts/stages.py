@@ -1,6 +1,6 @@
 """The stages of a step: sense, filter, disturb, and observers that look on.
 
-    sense → decide → filter → disturb → move → report
+    sense → decide → filter → drive → disturb → move → report
 
 Every stage is a list of parts found by name (an entry point and a key of the world) or given from
 Python. A part is an object with frozen settings; what it remembers is an explicit state, any value
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from physim.geometry.path import project_near
 from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.parts.controller import Decisions, Sensed, Snapshot
+from physim.parts.drive import NO_DRIVES
 from physim.world.scene import Scene
 
 if TYPE_CHECKING:
@@ -54,13 +55,13 @@ class Filter(Protocol):
     def filter(
         self, scene: Scene, sensed: Sensed, nominal: FloatArray, state: Any
     ) -> tuple[FloatArray, Any]:
-        """Filtered commands (N, 2) for nominal ones (N, 2), which must not be written to."""
+        """Filtered commands (N, columns) for nominal ones, which must not be written to."""
         ...
 
 
 @runtime_checkable
 class Disturbance(Protocol):
-    """Makes robots depart from their commands: gains, slip, pushes."""
+    """Makes robots depart from what their drives make of commands: gains, slip, pushes."""
 
     def start(self, scene: Scene) -> Any:
         """State at sample 0."""
@@ -69,7 +70,7 @@ class Disturbance(Protocol):
     def disturb(
         self, scene: Scene, truth: Snapshot, filtered: FloatArray, state: Any
     ) -> tuple[FloatArray, Any]:
-        """Applied commands (N, 2) for filtered ones (N, 2), which must not be written to.
+        """Applied commands (N, columns) for those of the drives, which must not be written to.
 
         They must be finite; the robots' limits bind controllers and filters only.
         """
@@ -87,11 +88,11 @@ class Step(NamedTuple):
     next_step: IntArray
     """(M,) when each of them decides again"""
     nominal: FloatArray
-    """(N, 2) [m/s, rad/s] as controllers want it"""
+    """(N, columns) [m/s, rad/s, m/s] as controllers want it"""
     filtered: FloatArray
-    """(N, 2) after the filters"""
+    """(N, columns) after the filters"""
     applied: FloatArray
-    """(N, 2) after the disturbances: what the bodies are driven by"""
+    """(N, columns) after drives and disturbances: what the bodies are driven by"""
     pose: FloatArray
     """(N, 3) at the sample after the step, as contacts allow"""
     contacts: NDArray[np.void]
@@ -100,6 +101,8 @@ class Step(NamedTuple):
     """rows, as `Record.false_contacts`, of that sample"""
     arrived: NDArray[np.bool_]
     """(N,) which robots have arrived at that sample"""
+    drive: FloatArray = NO_DRIVES
+    """(N, 4) what drives did in the step, as in `Snapshot`"""
 
 
 @runtime_checkable
@@ -124,7 +127,7 @@ def everybody(truth: Snapshot, rows: tuple[IntArray, IntArray, IntArray, FloatAr
     robot, first, end, age = rows
     return Sensed(
         truth.step, robot, truth.pose, truth.command, truth.velocity, truth.reference_station, age,
-        first, end, truth.station,
+        first, end, truth.station, truth.drive,
     )  # fmt: skip
 
 

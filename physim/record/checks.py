@@ -112,6 +112,8 @@ def check_datasets(
     with reading(where, "a dataset"):
         file.visit(there.add)  # no links, which may lead to other files
         for path, one in layout.TABLE.items():
+            if not one.needed and path[1:] not in there:
+                continue
             found = file[path] if path[1:] in there else None
             if fault := _fault(found, one, types.get(path, one.dtype).base, sizes):
                 raise RecordError(f"{where}: dataset {path} {fault}; {AGAIN}")

@@ -66,7 +66,9 @@ def digest_of(record: Record, attributes: Mapping[str, Any]) -> str:
         total.update(f"{name}={value!r}\n".encode())
     told = texts(record.bodies, record.declared)
     for path in PARTS:
-        samples = path in layout.STEPS
+        if path in layout.TABLE and not record.holds(path):
+            continue
+        samples = path in (*layout.STEPS, layout.Layout.steering.path)
         last = 0 if samples else None
         rows = told[path] if path in told else record.read(path, 0, last, check=False)
         shape = (record.samples, *rows.shape[1:]) if samples else rows.shape

@@ -122,7 +122,10 @@ class RecordWriter:
         self.robots = len(scene.start)
         self.extremes = Extremes(self.robots)
         self.arrived = np.full(self.robots, -1, dtype=np.int64)
-        self.types = layout.row_types(self.robots, [column.name for column in declared.columns])
+        columns, steers = getattr(scene, "columns", 2), getattr(scene, "steers", False)
+        self.types = layout.row_types(
+            self.robots, [column.name for column in declared.columns], columns > 2, steers
+        )
         """type of the rows of each dataset that grows, by its path"""
         self._waiting: dict[str, list[NDArray[Any]]] = {path: [] for path in self.types}
         self._flush_every_s = flush_every_s
@@ -179,6 +182,7 @@ class RecordWriter:
                 self._datasets = {
                     path: self._made(one, scene.steps // every + 2)
                     for path, one in layout.TABLE.items()
+                    if one.needed or path in self.types
                 }
                 self.flush()
         except BaseException:
@@ -198,14 +202,23 @@ class RecordWriter:
         )
 
     def append_steps(
-        self, step: ArrayLike, pose: ArrayLike, clearance: ArrayLike, boundary_clearance: ArrayLike
+        self,
+        step: ArrayLike,
+        pose: ArrayLike,
+        clearance: ArrayLike,
+        boundary_clearance: ArrayLike,
+        steering: ArrayLike | None = None,
     ) -> None:
         """Append B samples: step (B,), pose (B, N, 3), clearances (B, N) [m].
+
+        Also ``steering`` (B, N) [rad], where wheels steer.
 
         Goes to the file when the time has come; append the decisions and contacts of the samples
         before, then a killed run's tables end with its samples.
         """
         given = step, pose, clearance, boundary_clearance
+        if steering is not None:  # before the samples, which say how many there are
+            self._append(layout.Layout.steering.path, steering)
         for path, rows in zip(layout.STEPS, given, strict=True):
             self._append(path, rows)
         if time.monotonic() >= self._due:

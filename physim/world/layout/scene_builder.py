@@ -23,6 +23,7 @@ from physim.parts.registry import CONTROLLER, find_part, shipped_parts
 from physim.units import joined
 from physim.world import Robot, RobotGroup, World
 from physim.world.kinds import MOST_SEED
+from physim.world.layout.driven import drives_of
 from physim.world.layout.layout import lay_out, placed
 from physim.world.layout.robots import shared
 from physim.world.run import DEFAULT_RANGE
@@ -54,6 +55,7 @@ def scene_of(laid: Layout) -> Scene:
     names += [("boundary", name) for name in laid.boundaries]
     names += [("obstacle", f"obstacle {k + 1}") for k in range(len(laid.obstacles))]
     paths = pack_polylines(laid.paths)
+    driven, most = drives_of(laid.robots, laid.entries)
     return Scene(
         world=world,
         seed=world.seed,
@@ -67,7 +69,10 @@ def scene_of(laid: Layout) -> Scene:
             DENSITY * abs(size) if robot.mass is None else robot.mass
             for robot, size in zip(laid.robots, shared(signed_area, footprints), strict=True)
         ]),
-        limits=np.array([(robot.limits.v, robot.limits.omega) for robot in laid.robots]),
+        limits=np.ascontiguousarray(most[:, : 3 if most[:, 2].any() else 2]),
+        curvature=np.ascontiguousarray(most[:, 3]),
+        braking=np.ascontiguousarray(most[:, 4]),
+        drives=driven,
         start=laid.start,
         paths=paths,
         reference=pack_polylines([laid.reference]),

@@ -31,7 +31,7 @@ class ConstantSettings(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
-    commands: tuple[tuple[Number, Number] | tuple[Number, Number, Number], ...] = Field(
+    commands: tuple[Annotated[tuple[Number, ...], Field(min_length=2, max_length=3)], ...] = Field(
         default=(),
         description="[m/s, rad/s] v and omega of each robot, in their order; of an "
         "omnidirectional one also lateral [m/s], left positive",

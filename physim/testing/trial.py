@@ -26,6 +26,7 @@ from physim.parts.controller import (
     Sensed,
 )
 from physim.parts.declarations import Declared
+from physim.parts.drive import ANY
 from physim.parts.user_code import broken_by
 from physim.simulation.checks import next_steps
 from physim.simulation.forms import AskedAlone, Row, decision_row, decisions_of
@@ -222,6 +223,7 @@ def own_arrays(sensed: Sensed) -> Sensed:
 class _QueryRecorder:
     """Takes the place of the controller in a trial, and keeps every query with its answer."""
 
+    drives = (ANY,)
     simulation: Simulation
     spare: View | None = None
     """of the present step, in arrays of its own"""

@@ -142,13 +142,13 @@ def _of_parts(world: World, document: Document, trusted: bool) -> tuple[list[Fau
     ``trusted`` allows the world's own controller to be ``module:Class``, none of its robots'.
     """
     driving = {one.where: one for one in world.drivers()}
-    named: list[tuple[Kind, Location, str]] = [(CONTROLLER, CONTROLLER.key, world.controller.type)]
-    named += [(OF_ROBOTS, at, one.type) for at, one in driving.items() if at != CONTROLLER.key]
-    named += [
+    named: list[tuple[Kind, Location, str]] = [
         (DRIVE, ("robots", e, "drive"), entry.drive.type)
         for e, entry in enumerate(world.robots)
         if entry.drive is not None
     ]
+    named.append((CONTROLLER, CONTROLLER.key, world.controller.type))
+    named += [(OF_ROBOTS, at, one.type) for at, one in driving.items() if at != CONTROLLER.key]
     for kind, choices in zip(
         STAGES, (world.sensing.stages, world.filters, world.disturbances), strict=True
     ):
@@ -164,10 +164,11 @@ def _of_parts(world: World, document: Document, trusted: bool) -> tuple[list[Fau
         try:
             part = find_part(kind, name, trusted and kind is CONTROLLER)
             settings, found = checked_settings(part, given, where)
-            if not found and driver is not None:
+            sound = not any(fault.location[2:3] == DRIVE.key for fault in faults)
+            if sound and not found and driver is not None:
                 found = drive_faults(part, world, driver)
             is_idle = driver is None and kind is CONTROLLER  # every robot has its own
-            if not found and not is_idle and any(hasattr(part, hook) for hook in HOOKS):
+            if sound and not found and not is_idle and any(hasattr(part, hook) for hook in HOOKS):
                 made = made_part(kind, part, settings, name)
                 if driver is not None:
                     found = driver_faults(made, world, driver)

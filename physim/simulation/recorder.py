@@ -190,7 +190,7 @@ class Recorder:
         rows["step"], rows["robot"] = step.truth.step, np.flatnonzero(differ)
         for name, values in zip(
             (rows.dtype.names or ())[2:],
-            stages[1:, differ].transpose(0, 2, 1).reshape(-1, len(rows)),
+            stages[1:, differ].transpose(0, 2, 1).reshape(3 * stages.shape[2], len(rows)),
             strict=True,
         ):
             rows[name] = values

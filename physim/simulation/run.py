@@ -94,7 +94,7 @@ def record_run(
         declared=simulation.declared, tables=save.tables,
         given=tuple((part.kind.word, part.name) for part in given),
         given_settings=tuple(part.settings for part in given), begun_at=begun,
-        begun_along=np.stack(simulation.now[4:], axis=1) if begun else None, overwrite=overwrite,
+        begun_along=np.stack(simulation.now[4:7], axis=1) if begun else None, overwrite=overwrite,
     )  # fmt: skip
     if begun:
         with suppress(PhysimError):

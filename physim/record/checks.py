@@ -119,6 +119,15 @@ def check_datasets(
                 raise RecordError(f"{where}: dataset {path} {fault}; {AGAIN}")
 
 
+def has_column(file: h5py.File, path: str, name: str) -> bool:
+    """Whether a dataset is in the file, which no link is, and has a column of that name."""
+    if not isinstance(file.get(path, getlink=True), h5py.HardLink):
+        return False
+    with reading(path, name):
+        found = file[path]
+        return isinstance(found, h5py.Dataset) and name in (found.dtype.names or ())
+
+
 def _fault(found: object, of: Dataset[Any], dtype: np.dtype[Any], sizes: Mapping[str, int]) -> str:
     """What is wrong with a dataset; empty where nothing is."""
     if not isinstance(found, h5py.Dataset):

@@ -27,6 +27,7 @@ from physim.record.checks import (
     attributes_of,
     check_datasets,
     check_rows,
+    has_column,
     open_record,
     reading,
     reading_world,
@@ -76,9 +77,8 @@ class Record(layout.Layout):
         bodies, declared = len(self.bodies), self.declared
         if not _just_made:
             sizes = {"N": self.robots, "N+1": self.robots + 1, "W+1": bodies - self.robots + 1}
-            commands = getattr(file.get(layout.Layout.commands.path), "dtype", None)
-            sideways = f"applied_{layout.SIDEWAYS}" in (getattr(commands, "names", None) or ())
             names = [column.name for column in declared.columns]
+            sideways = has_column(file, layout.Layout.commands.path, f"applied_{layout.SIDEWAYS}")
             types = layout.row_types(self.robots, names, sideways)
             check_datasets(file, self.where, {**sizes, "2": 2, "3": 3}, types)
         grown = [path for path in (*layout.STEPS, layout.Layout.steering.path) if path in file]

@@ -65,8 +65,9 @@ def digest_of(record: Record, attributes: Mapping[str, Any]) -> str:
     for name, value in (*HEAD.items(), *((name, attributes[name]) for name in DIGESTED)):
         total.update(f"{name}={value!r}\n".encode())
     told = texts(record.bodies, record.declared)
-    for path in PARTS:
-        if path in layout.TABLE and not record.holds(path):
+    held = layout.held(record.tables)
+    for path in (path for path in PARTS if path in KNOWN or path in held):
+        if path in held and not record.holds(path):
             continue
         samples = path in (*layout.STEPS, layout.Layout.steering.path)
         last = 0 if samples else None

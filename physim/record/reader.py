@@ -74,18 +74,23 @@ class Record(layout.Layout):
         self._handle = file
         vars(self).update(attributes_of(file, self.where))
         self.robots = sum(body.kind == "robot" for body in self.bodies)
+        self.moving = layout.moving(self.bodies)
+        """number of bodies that move, B: robots, movers, obstacles that can be pushed"""
         bodies, declared = len(self.bodies), self.declared
         if not _just_made:
-            sizes = {"N": self.robots, "N+1": self.robots + 1, "W+1": bodies - self.robots + 1}
+            sizes = {"N": self.robots, "N+1": self.robots + 1, "B": self.moving}
+            sizes |= {"B+1": self.moving + 1, "W+1": bodies - self.moving + 1}
             names = [column.name for column in declared.columns]
             sideways = has_column(file, layout.Layout.commands.path, f"applied_{layout.SIDEWAYS}")
-            types = layout.row_types(self.robots, names, sideways)
-            check_datasets(file, self.where, {**sizes, "2": 2, "3": 3}, types)
+            types = layout.row_types(self.robots, self.moving, names, sideways)
+            held = layout.held(self.tables)
+            check_datasets(file, self.where, held, {**sizes, "2": 2, "3": 3}, types)
         grown = [path for path in (*layout.STEPS, layout.Layout.steering.path) if path in file]
         self.samples = min(len(file[path]) for path in grown)
         """how many samples were recorded"""
         self._highest = {
             "robots": self.robots - 1,
+            "moving": self.moving - 1,
             "bodies": bodies - 1,
             "modes": len(declared.modes) - 1,
             "rules": len(declared.rules) - 1,
@@ -101,7 +106,7 @@ class Record(layout.Layout):
         """Leave out what was written after the last sample of a run that was killed."""
         last = int(self.steps[-1]) if self.samples else -1
         self.steps_run = max(self.begun_at, last)
-        for path in layout.TABLES:
+        for path in (path for path in layout.TABLES if path in layout.held(self.tables)):
             with reading(self.where, path):
                 step = self._file[path].fields("step")[()]
             self._rows[path] = int(np.count_nonzero(step <= last))
@@ -129,13 +134,17 @@ class Record(layout.Layout):
             raise
 
     def _check_values(self) -> None:
-        """Read all but the samples, which are checked when they are read.
+        """Read all but what is large, samples and what was sensed, which is checked when read.
 
         Raises RecordError, one line: table, row, what was given, what is allowed.
         """
         for name, one in vars(layout.Layout).items():
             shape = one.shape[:2] if isinstance(one, layout.Dataset) else ()
-            if isinstance(one, layout.Property) and shape not in (("K", "N"), ("S",)):
+            if (
+                name != layout.SENSED
+                and shape not in (("K", "N"), ("K", "B"), ("S",))
+                and (isinstance(one, layout.Property))
+            ):
                 getattr(self, name)
         _ = self.considered
         first, last = self.steps[[0, -1]].tolist() if self.samples else (self.begun_at, -1)
@@ -169,6 +178,11 @@ class Record(layout.Layout):
         """
         if path not in layout.TABLE:
             return texts(self.bodies, self.declared)[path][first:last]
+        if path not in layout.held(self.tables):
+            raise RecordError(
+                f"{self.where}: what robots sensed was not kept; physim run --keep-sensed, or "
+                "simulate(world, save=SaveAt(sensed=True)), keeps it"
+            )
         if not self.holds(path):
             return read_only(np.zeros((self.samples, self.robots))[first:last])
         end = self._rows.get(path, last)
@@ -237,6 +251,14 @@ class Record(layout.Layout):
         """What decided, ``module:Class`` of an object given from Python; empty where it was the
         world's own controller."""
         return dict(self.given).get("controller", "")
+
+    @property
+    def controller_name(self) -> str:
+        """The world's own controller: ``module:Class`` of one given from Python, or as the world
+        inside names it; empty where there is no text of a world."""
+        if self.controller or not self.world_text.strip():
+            return self.controller
+        return self.world.controller.type
 
     @cached_property
     def setup(self) -> Setup:
@@ -316,20 +338,28 @@ class Record(layout.Layout):
         """Physics steps from the first sample to the last."""
         return self.steps_run - self.begun_at
 
+    @cached_property
+    def pose(self) -> FloatArray:
+        """(K, N, 3) [m, m, rad] x, y, heading, unwrapped, of the robots."""
+        if self.moving == self.robots:
+            return self.moving_pose
+        return read_only(np.ascontiguousarray(self.moving_pose[:, : self.robots]))
+
     def pose_at(self, step: int) -> FloatArray:
-        """(N, 3) poses at a recorded step. Raises RecordError for a step that is not recorded."""
+        """(B, 3) poses of all that moves at a recorded step, robots first. Raises RecordError for a
+        step that is not recorded."""
         row = int(np.searchsorted(self.steps, step))
         if row == self.samples or self.steps[row] != step:
             closest = self.steps[np.argmin(np.abs(self.steps - step))] if self.samples else "none"
             raise RecordError(f"{self.where}: step {step} is not recorded; nearest: {closest}")
-        block, place = divmod(row, max(1, POSE_BLOCK // self.robots))
+        block, place = divmod(row, max(1, POSE_BLOCK // self.moving))
         pose: FloatArray = self._pose_block(block)[place]
         return pose
 
     @cached_property
     def _pose_block(self) -> Callable[[int], FloatArray]:
         """Reads a block of the poses by its number; the last few are kept."""
-        rows, path = max(1, POSE_BLOCK // self.robots), layout.Layout.pose.path
+        rows, path = max(1, POSE_BLOCK // self.moving), layout.Layout.moving_pose.path
         return lru_cache(POSE_BLOCKS)(lambda k: self.read(path, k * rows, (k + 1) * rows))
 
     @cached_property
@@ -435,8 +465,8 @@ class Record(layout.Layout):
 
     def to_pandas(self, table: str = "steps") -> pd.DataFrame:
         """Data frame of a table: "steps" (a row for each sample and robot), "updates" (decisions),
-        "commands", "considered", "contacts" or "false_contacts"; columns and units as in the
-        record, with times [s] and names.
+        "commands", "considered", "contacts", "false_contacts" or "sensed"; columns and units as in
+        the record, with times [s] and names.
 
         Raises PhysimError for another table, and where pandas is not installed.
         """

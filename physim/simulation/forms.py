@@ -196,7 +196,7 @@ def decision_row(decision: object, declared: Declared, scene: Scene) -> Row:
     if not isinstance(decision, Decision):
         raise ControllerError(f"decide returned {kind_of(decision)}; it must return a Decision")
     try:
-        considered = [index(j) for j in islice(decision.considered, scene.robots + 1)]
+        considered = [index(j) for j in islice(decision.considered, scene.moving + 1)]
     except TypeError:
         raise ControllerError(
             f"considered is {_quoted(decision.considered)}; it must list robots by index"

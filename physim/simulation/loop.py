@@ -19,7 +19,7 @@ from numpy.typing import DTypeLike, NDArray
 from physim.contacts import CONTACT_ROW
 from physim.errors import ControllerError, PhysimError, WorldError, plural
 from physim.geometry.clearance import ClearanceFinder, Clearances
-from physim.geometry.path import Tracking
+from physim.geometry.path import Tracking, project
 from physim.geometry.shapes import FloatArray, locked, read_only
 from physim.parts.controller import FASTEST, Controller, Observation, Sensed, Snapshot
 from physim.parts.declarations import NO_NUMBER, Declared
@@ -159,7 +159,8 @@ class Simulation:
 
     @property
     def clearance(self) -> FloatArray:
-        """(N,) [m] signed distance of each robot from the nearest other one; inf without others."""
+        """(N,) [m] signed distance of each robot from the nearest other body that moves; inf
+        without others."""
         return np.asarray(self._distances.clearance[0])
 
     @property
@@ -324,20 +325,31 @@ class Simulation:
     def _arrive(self, step: int, nominal: FloatArray, drive: FloatArray) -> None:
         """Take up the sample to which the physics brought the robots."""
         pose = read_only(self.physics.pose)
-        velocity, grazes = self._swept.follow(step, self.now.pose, pose)
+        velocity, grazes = self._swept.follow(step, self.now.moving_pose, pose)
         if len(grazes):  # which the engine cannot see
             self.physics.contacts = np.concatenate(
                 (self.physics.contacts, grazes), dtype=CONTACT_ROW
             )
-        self._arrivals.follow(self._tracking, step, pose)
+        self._arrivals.follow(self._tracking, step, pose[: self.scene.robots])
         self._take(step, pose, nominal, read_only(velocity), drive)
 
     def _take(
         self, step: int, pose: FloatArray, nominal: FloatArray, velocity: FloatArray,
         drive: FloatArray,
     ) -> None:  # fmt: skip
-        along = self._tracking.stations
-        self.now = Snapshot(step, pose, nominal, velocity, along[0], along[1], along[2], drive)
+        along, n = self._tracking.stations, self.scene.robots
+        command, station = nominal, along[2]
+        moving = pose, velocity
+        if len(pose) > n:
+            pose, velocity = (read_only(array[:n]) for array in moving)
+            others, line = moving[0][n:].tolist(), self.scene.reference
+            found = [project(line, 0, x, y, -np.inf, np.inf)[0] for x, y, _ in others]
+            station = read_only(np.concatenate((station, found)))
+            command = read_only(np.pad(nominal, ((0, len(others)), (0, 0))))
+        self.now = Snapshot(
+            step, pose, nominal, velocity, along[0], along[1], along[2], *moving, command, station,
+            drive,
+        )  # fmt: skip
         self._sensed = None
 
     def _report(self) -> None:
@@ -367,7 +379,7 @@ class Simulation:
             truth, known[0] if known else everybody(truth, self._shared), decided.decisions,
             decided.next_step, decided.nominal, filtered, applied, self.now.pose,
             locked(self.physics.contacts), locked(self.physics.false_contacts),
-            self._arrivals.arrived, self.now.drive,
+            self._arrivals.arrived, self.now.moving_pose, self.now.drive,
         )  # fmt: skip
 
     # State
@@ -430,25 +442,26 @@ class Simulation:
             self.scene = reseeded(self.scene, seed)
         self.observers = []
         if self.scene.shapes is before:
-            self.physics.reset(self.scene.start)
+            self.physics.reset(self.scene.moving_start)
         else:  # the seed draws footprints or the road
             self._host()
         self._begin()
 
     def _host(self) -> None:
-        """Put the robots into the engine."""
+        """Put all that moves into the engine."""
         scene = self.scene
         self._swept = SweptContactFinder(scene)
         self.physics = Physics(
-            scene.shapes, scene.walls, scene.start, scene.mass, scene.dt,
+            scene.shapes, scene.walls, scene.moving_start, scene.mass, scene.dt,
             friction=scene.world.physics.friction, elasticity=scene.world.physics.elasticity,
+            movers=scene.movers,
         )  # fmt: skip
 
     def _begin(self) -> None:
         """Everything but the engine, as it is at sample 0."""
         scene, robots = self.scene, self.scene.robots
         self.memory = first_memory(self._asked.form, scene)
-        self._shared = shared(robots)
+        self._shared = shared(robots, scene.moving)
         self._parts = tuple(map(self.parts.of, STAGES))
         self._limits = {
             FILTERED: scene.limits,
@@ -469,7 +482,7 @@ class Simulation:
         self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
         self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
         self._next_due, self._told = 0, None
-        still = read_only(np.zeros((robots, 3)))
+        still = read_only(np.zeros((scene.moving, 3)))
         drive = read_only(np.zeros((robots, 4))) if scene.drives else NO_DRIVES
         held = read_only(np.zeros((robots, scene.columns)))
         self._take(0, read_only(self.physics.pose), held, still, drive)
@@ -480,8 +493,8 @@ class Simulation:
         of, found = self._found
         if found is None or of is not self.now:
             scene = self.scene
-            finder = ClearanceFinder(scene.shapes, scene.wall_tree)
-            found = locked(finder.find(self.now.pose[None]))
+            finder = ClearanceFinder(scene.shapes, scene.wall_tree, scene.robots)
+            found = locked(finder.find(self.now.moving_pose[None]))
             self._found = self.now, found
         return found
 

@@ -12,7 +12,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, touching
 from physim.errors import RecordError
 from physim.geometry.clearance import ClearanceFinder
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.stages import Step
 from physim.record import RecordWriter
-from physim.record.layout import CONSIDERING, OPTIONAL, PARTS
+from physim.record.layout import CONSIDERING, OPTIONAL, PARTS, SENSED, Layout
 from physim.simulation.arrival import later_since
-from physim.simulation.observation import formation_errors
+from physim.simulation.observation import View, formation_errors
 from physim.world.scene import Scene
 
 if TYPE_CHECKING:
@@ -40,6 +40,9 @@ BLOCK_SECONDS = 0.3
 """[s] of computing after which a block goes to the record, however short."""
 SAMPLE_BYTES = 40
 """of a robot in a sample: its pose and two clearances"""
+STATE_WORK, STEP_WORK = 25_000, 5
+"""Steps of robots from one kept state to the next where a run keeps them by default, and how many a
+step costs beside those of its robots: some 50 ms of computing, and 1 to 8 % of the file."""
 
 
 @dataclass(frozen=True)
@@ -50,20 +53,24 @@ class SaveAt:
     None; ``tables``, those of updates, considered, contacts and false_contacts that are kept.
     Samples and commands are always there: without them a record could not be held against anything.
     ``states`` [s]: from one kept state to the next, from which `physim.state_at` lets another run
-    start.
+    start; "usual": as often as a branch needs to begin at once, and none where a part remembers
+    what no record can keep. ``sensed``: whether what each robot sensed when it decided is kept, see
+    `Record.sensed`.
     """
 
     every: int | None = None
     tables: Sequence[str] = OPTIONAL
-    states: float | None = None
+    states: float | Literal["usual"] | None = None
+    sensed: bool = False
 
     def __post_init__(self) -> None:
         """Raise ValueError for a table that there is not, and for no whole number of steps."""
         unknown = [table for table in self.tables if table not in OPTIONAL]
         if unknown:
             raise ValueError(f"tables: {unknown[0]!r}; allowed: {', '.join(OPTIONAL)}")
-        if self.states is not None and not 0.0 < self.states < np.inf:
-            raise ValueError(f"states = {self.states!r}; it must be a time in s, above 0")
+        states = 1.0 if self.states in (None, "usual") else self.states
+        if isinstance(states, str) or not 0.0 < states < np.inf:
+            raise ValueError(f"states = {states!r}; it must be a time in s, above 0, or usual")
         if self.every is None:
             return
         if isinstance(self.every, bool) or not isinstance(self.every, int | np.integer):
@@ -88,7 +95,7 @@ def check_room(scene: Scene, every: int, path: str | os.PathLike[str] | None) ->
             folder = folder.parent
         disk, where = shutil.disk_usage(folder), str(folder)
         room = disk.free if disk.total else float("inf")  # no disk: /proc and the like
-    needed = (scene.steps // every + 2) * (8 + SAMPLE_BYTES * scene.robots)
+    needed = (scene.steps // every + 2) * (8 + SAMPLE_BYTES * scene.moving)
     if needed > room:
         raise RecordError(
             f"{where}: no room for the record: there are {room / 1e6:.3g} MB, and its samples "
@@ -105,7 +112,7 @@ class Recorder:
         self.writer = writer
         self.every = every
         self.tables = tuple(tables)
-        self.size = max(1, min(BLOCK_STEPS, BLOCK_POSES // writer.robots))
+        self.size = max(1, min(BLOCK_STEPS, BLOCK_POSES // writer.moving))
         self.steps: list[Step] = []
         self.begun = self.first = self.rejected = 0
         self.unrecorded: tuple[int, FloatArray, FloatArray | None] | None = None
@@ -120,10 +127,11 @@ class Recorder:
         """Take down the sample at which the simulation is."""
         self.scene = scene = simulation.scene
         self.begun = self.first = simulation.step_number
+        self.view: View | None = None
         if self.begun:  # the record has no decision that gave the commands that are held
             self.latest = np.zeros((scene.robots, scene.columns))
         self.since = np.full(scene.robots, -1, dtype=np.int64)
-        self.near = ClearanceFinder(scene.shapes, scene.wall_tree)
+        self.near = ClearanceFinder(scene.shapes, scene.wall_tree, scene.robots)
         self.least = np.full((2, scene.robots), np.inf)
         """[m] least distance of each robot from another, and from a wall, since the last recorded
         sample"""
@@ -132,10 +140,8 @@ class Recorder:
         contacts = simulation.contacts
         if self.begun:  # what happened in the step that led here is not of this record
             contacts = touching(contacts)
-        drive = simulation.now.drive
-        self._write_samples(
-            simulation.pose[None], simulation.arrived[None], [contacts], drive[None]
-        )
+        pose, drive = simulation.now.moving_pose, simulation.now.drive
+        self._write_samples(pose[None], simulation.arrived[None], [contacts], drive[None])
         self.last_write = time.monotonic()
 
     def after_step(self, step: Step) -> None:
@@ -158,12 +164,11 @@ class Recorder:
         """
         steps, self.steps = self.steps, []
         self._write_decisions([step for step in steps if step.decisions is not None])
-        if commands := [rows for step in steps if len(rows := self._commands(step))]:
-            self.writer.append("commands", np.concatenate(commands))
+        self._write_commands(steps)
         self._write_false_contacts([step.false_contacts for step in steps])
         if steps:
             self._write_samples(
-                stacked([step.pose for step in steps]),
+                stacked([step.moving_pose for step in steps]),
                 stacked([step.arrived for step in steps]),
                 [step.contacts for step in steps],
                 stacked([step.drive for step in steps]),
@@ -174,27 +179,33 @@ class Recorder:
             self.writer.append_steps([step], pose[None], near, walls, steering)
         self.last_write = time.monotonic()
 
-    def _commands(self, step: Step) -> NDArray[np.void]:
+    def _write_commands(self, steps: Sequence[Step]) -> None:
         """Rows of the robots whose stages differ, or that were commanded from outside."""
-        decisions = step.decisions
-        if self.latest is not None and decisions is not None:
-            self.latest[decisions.robot] = decisions.command
-        elif self.latest is None and decisions is None and step.nominal is not step.truth.command:
-            self.latest = step.truth.command.copy()
-        if self.latest is None and step.applied is step.filtered is step.nominal:
-            return np.zeros(0, dtype=self.writer.types["/commands"])
-        latest = step.nominal if self.latest is None else self.latest
-        stages = np.stack((latest, step.nominal, step.filtered, step.applied))
-        differ = (stages[1:] != stages[:-1]).any(axis=(0, 2))
-        rows = np.zeros(int(differ.sum()), dtype=self.writer.types["/commands"])
-        rows["step"], rows["robot"] = step.truth.step, np.flatnonzero(differ)
-        for name, values in zip(
-            (rows.dtype.names or ())[2:],
-            stages[1:, differ].transpose(0, 2, 1).reshape(3 * stages.shape[2], len(rows)),
-            strict=True,
-        ):
-            rows[name] = values
-        return rows
+        told, numbers = [], []
+        for step in steps:
+            decisions = step.decisions
+            if self.latest is not None and decisions is not None:
+                self.latest[decisions.robot] = decisions.command
+            elif (
+                self.latest is None and decisions is None and step.nominal is not step.truth.command
+            ):
+                self.latest = step.truth.command.copy()
+            if self.latest is None and step.applied is step.filtered is step.nominal:
+                continue
+            latest = step.nominal if self.latest is None else self.latest.copy()
+            told += [latest, step.nominal, step.filtered, step.applied]
+            numbers.append(step.truth.step)
+        if not told:
+            return
+        stages = stacked(told).reshape(len(numbers), 4, *told[0].shape)
+        at, robot = (stages[:, 1:] != stages[:, :-1]).any(axis=(1, 3)).nonzero()
+        rows = np.zeros(len(at), dtype=self.writer.types["/commands"])
+        rows["step"], rows["robot"] = np.array(numbers)[at], robot
+        names = iter((rows.dtype.names or ())[2:])
+        for stage in range(1, 4):
+            for part in range(told[0].shape[1]):
+                rows[next(names)] = stages[at, stage, robot, part]
+        self.writer.append("commands", rows)
 
     def _write_decisions(self, steps: Sequence[Step]) -> None:
         if not steps:
@@ -202,6 +213,11 @@ class Recorder:
         rows = update_rows(self.scene, steps, self.writer.types["/updates"])
         if "updates" in self.tables:
             self.writer.append("updates", rows)
+        if SENSED in self.tables:
+            for step, decided in ((step, step.decisions) for step in steps):
+                self.view = View(self.scene, step.sensed, self.view)
+                if decided is not None:
+                    self.writer.append(SENSED, sensed_rows(self.view, decided.robot))
         if "considered" in self.tables:
             counts = np.empty(len(rows), dtype=CONSIDERING)
             counts["step"], counts["robot"] = rows["step"], rows["robot"]
@@ -219,10 +235,11 @@ class Recorder:
         self, poses: FloatArray, arrived: NDArray[np.bool_], contacts: Sequence[NDArray[np.void]],
         drive: FloatArray,
     ) -> None:  # fmt: skip
-        """Contacts in the order of steps, and every ``every``-th sample of poses (B, N, 3).
+        """Contacts in the order of steps, and every ``every``-th of S samples of all that moves,
+        ``poses`` (S, B, 3).
 
-        With these go the least distances since the one before. ``arrived`` (B, N), ``drive``
-        (B, N, 4), or (B, 0, 4) in a world without drives.
+        With these go the least distances since the one before. ``arrived`` (S, N), ``drive``
+        (S, N, 4), or (S, 0, 4) in a world without drives.
         """
         steering = drive[:, :, 3] if self.scene.steers else None
         self.since = later_since(self.since, self.first, arrived)
@@ -252,6 +269,21 @@ class Recorder:
 def stacked(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
     """Arrays of one shape as one, like `numpy.stack`; of many small ones in a third of the time."""
     return np.concatenate(arrays).reshape(len(arrays), *arrays[0].shape)
+
+
+def sensed_rows(view: View, robots: IntArray) -> NDArray[np.void]:
+    """What each of some robots may know: of itself, of bodies within range, of its neighbours."""
+    known = [
+        np.unique((view.own_row(i), *view.others(i), *view.neighbours(i))) for i in robots.tolist()
+    ]
+    at, sensed = np.concatenate(known), view.sensed
+    rows = np.empty(len(at), dtype=Layout.sensed.dtype)
+    rows["step"], rows["body"] = sensed.step, sensed.robot[at]
+    rows["observer"] = np.repeat(robots, [len(one) for one in known])
+    rows["x"], rows["y"], rows["heading"] = sensed.pose[at].T
+    rows["vx"], rows["vy"], rows["omega"] = sensed.velocity[at].T
+    rows["reference_station"], rows["age"] = sensed.reference_station[at], sensed.age[at]
+    return rows
 
 
 def update_rows(

@@ -25,25 +25,28 @@ from physim.analysis.validation.motion import Motion, check_motion
 from physim.analysis.validation.near_misses import NearMisses, near_misses
 from physim.analysis.validation.origin import (
     compare_with_world,
-    controller_name,
     world_inside,
 )
 from physim.analysis.validation.prediction import DISAGREES, Prediction, Predictor
 from physim.analysis.validation.recomputed import Recomputed, recompute
 from physim.analysis.validation.rerun import (
-    AgainError,
     Rerun,
     compare_runs,
     run_again,
-    simulation_again,
 )
 from physim.analysis.validation.told import sentences
+from physim.analysis.validation.undisturbed import (
+    Undisturbed,
+    disturbing,
+    undisturbed,
+)
 from physim.errors import RecordError, plural
 from physim.json_text import json_text, plain
 from physim.parts.declarations import Mode, Rule
 from physim.record import Record, check_record
 from physim.record.layout import OPTIONAL
 from physim.record.setup import Setup
+from physim.simulation.again import AgainError, simulation_again
 from physim.world.faults import describe
 from physim.world.scene import Body
 
@@ -104,6 +107,8 @@ class Validation:
     """contacts deeper than `physim.contacts.allowed_depth`: what follows them is not physical"""
     rerun: Rerun | None = None
     """the run simulated again, where it was"""
+    undisturbed: Undisturbed | None = None
+    """the run without its disturbances, where it had such and contacts"""
 
     def __repr__(self) -> str:
         """Whose, and the verdict; `report` says all of it."""
@@ -217,19 +222,26 @@ def validate(record: Record, *, rerun: bool = True, source: str | None = None) -
     check_complete(record)
     if not rerun:
         return judge(record, None, NOT_ASKED, source=source)
+    without = undisturbed(record)
     try:
         again = run_again(record, simulation_again(record))
     except AgainError as error:
-        return judge(record, None, error.why, source=source)
+        return judge(record, None, error.why, source=source, without=without)
     with again:
-        return judge(record, again, source=source)
+        return judge(record, again, source=source, without=without)
 
 
 def judge(
-    record: Record, again: Record | None, why_not: str = "", *, source: str | None = None
+    record: Record,
+    again: Record | None,
+    why_not: str = "",
+    *,
+    source: str | None = None,
+    without: Undisturbed | None = None,
 ) -> Validation:
     """Validate a record, with the same run simulated ``again``, or with the reason why it is not.
 
+    ``without``: the run without its disturbances, where that was made.
     What the record lacks is taken from the run simulated again; what it has is held against that.
     Raises RecordError as `validate` does.
     """
@@ -240,6 +252,8 @@ def judge(
     analytic, (exact, distances) = analytic_contacts(whole), exact_distances(whole)
     table = DecisionTable(whole)
     rerun = None if again is None else compare_runs(record, again)
+    if without is None and len(whole.contacts) and (names := disturbing(whole)):
+        without = Undisturbed(names, why_not=why_not or NOT_ASKED)
     is_again = whole is again or (rerun is not None and rerun.exact)
     recomputed = recompute(record, whole, inside, table, is_again)
     parted = whole is again and rerun is not None and not rerun.whole
@@ -255,7 +269,7 @@ def judge(
         swept_contacts(whole, table), near_misses(whole, analytic, table),
         check_motion(whole, table, inside.scene.mass if inside.fits(whole) else None),
         compare_with_world(record, inside), recomputed, tuple(expectations(whole)),
-        Figures(whole).deep, rerun,
+        Figures(whole).deep, rerun, without,
     )  # fmt: skip
 
 
@@ -284,7 +298,7 @@ def check_complete(record: Record) -> None:
 
 def _run(record: Record, whole: Record, source: str) -> Run:
     """What was run, as the record says; how long, as that says which has every sample."""
-    controller = controller_name(record) or "not named in the record"
+    controller = record.controller_name or "not named in the record"
     if len(record.setup.controllers) > 1:
         controller = record.setup.controller_names
     return Run(

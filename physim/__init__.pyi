@@ -9,6 +9,7 @@ from .drawing import plots, video
 from .drawing.page import page
 from .drawing.video import render
 from .errors import ControllerError, Fault, PhysimError, RecordError, WorldError
+from .judging import Reading, judge
 from .parts.controller import (
     Controller,
     Decision,
@@ -68,6 +69,7 @@ __all__ = [
     "Observer",
     "Phase",
     "PhysimError",
+    "Reading",
     "Record",
     "RecordError",
     "Rule",
@@ -89,6 +91,7 @@ __all__ = [
     "check_world",
     "for_each",
     "geometry",
+    "judge",
     "load_world",
     "metrics",
     "observer_of_row",

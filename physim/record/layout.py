@@ -8,6 +8,7 @@ angles radians, times seconds, in the world frame; steps count from 0, the start
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import (
     Annotated,
@@ -86,6 +87,20 @@ OPTIONAL: tuple[TableName, ...] = get_args(TableName)
 """Tables that a run may leave out; the commands and the samples are always there."""
 
 
+@dataclass(frozen=True)
+class Judged:
+    """Where the poses of a record came from that no run made: the log that was judged."""
+
+    source: str
+    """name of the log"""
+    sha256: str
+    """of the log"""
+    begun: float
+    """[s] time of the log at step 0"""
+    notes: tuple[str, ...]
+    """what was done to the log, a sentence each"""
+
+
 class Attributes:
     """Root attributes of the file, as properties of `Record`: type, bounds, and what each means.
 
@@ -141,10 +156,18 @@ class Attributes:
     versions: Annotated[
         Json[dict[str, str]], "JSON object: versions of physim and its libraries, and the processor"
     ]
+    judged: Annotated[
+        Json[Judged] | None,
+        "of a log that was judged alone, JSON object: which, and what was done to it; commands, "
+        "decisions, modes and impulses are not known then",
+    ] = None
 
 
 _HINTS = get_type_hints(Attributes, include_extras=True)
-AttributesModel = create_model("AttributesModel", **_HINTS)
+_FIELDS: dict[str, Any] = {
+    name: (hint, getattr(Attributes, name, ...)) for name, hint in _HINTS.items()
+}
+AttributesModel = create_model("AttributesModel", **_FIELDS)
 """Checks all of them at once."""
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from physim.units import joined
@@ -12,6 +12,7 @@ from physim.world.kinds import MOST_ROBOTS
 from physim.world.run import ControllerChoice
 
 if TYPE_CHECKING:
+    from physim.record.layout import Judged
     from physim.record.reader import Record
 
 STAGES = {"sensing": ("sensing", "stages"), "filters": ("filters",),
@@ -19,6 +20,8 @@ STAGES = {"sensing": ("sensing", "stages"), "filters": ("filters",),
 """What the stages are called, and where the world names them."""
 
 
+NOT_KNOWN = "commands, decisions, modes, impulses and who was responsible: poses do not tell them"
+"""Of a log that was judged"""
 SHOWN_ROBOTS = 12
 """Robots of a controller that are listed one by one"""
 
@@ -66,6 +69,8 @@ class Setup:
     """of physim and its libraries; empty where the record does not say"""
     names: tuple[str, ...] = ()
     """of the robots"""
+    judged: Judged | None = None
+    """the log that was judged, where no run made the poses"""
 
     @property
     def controller(self) -> Part:
@@ -91,12 +96,17 @@ class Setup:
             each = (f"{part} for {self.who(some)}" for part, some in self.controllers)
             controllers = "; ".join(each)
         found = [("controller", controllers), *stages, ("from Python", ", ".join(self.others))]
+        if self.judged is not None:
+            told = f"the poses of {self.judged.source}: {'; '.join(self.judged.notes)}"
+            found = [("judged", told), ("not known", NOT_KNOWN)]
         return [(word, text) for word, text in found if text]
 
     def to_dict(self) -> dict[str, Any]:
         """Controller and stages with their settings, and what came from Python, for JSON."""
         stages = {word: [part.to_dict() for part in parts] for word, parts in self.stages.items()}
         found = {"controller": self.controller.to_dict(), **stages, "from_python": self.others}
+        if self.judged is not None:
+            found = {"judged": asdict(self.judged), "not_known": NOT_KNOWN}
         if len(self.controllers) > 1:
             found["controllers"] = [
                 {**part.to_dict(), "robots": some} for part, some in self.controllers
@@ -119,6 +129,9 @@ def setup_of(record: Record) -> Setup:
         for (kind, name), one in zip(record.given, record.given_settings, strict=False)
     ]
     world = record.world_settings
+    if record.judged is not None:  # the world's parts did not act
+        whole = ((Part("not known", {}), tuple(range(record.robots))),)
+        return Setup(whole, {}, (), record.versions, record.names, record.judged)
     own = dict(parts).get("controller") or _part(world.get("controller"), ControllerChoice().type)
     entries = world.get("robots")
     named: list[tuple[tuple[str, Mapping[str, Any]] | None, int]] = []

@@ -102,6 +102,7 @@ class RecordWriter:
         given_settings: Sequence[GivenSettings] = (),
         begun_at: int = 0,
         begun_along: ArrayLike | None = None,
+        judged: layout.Judged | None = None,
         flush_every_s: float = 0.5,
         overwrite: bool = True,
     ) -> None:
@@ -113,7 +114,8 @@ class RecordWriter:
         ``tables`` those of `layout.OPTIONAL` that the run fills, ``given`` the parts that came from
         Python, with their ``given_settings`` where these are known. ``begun_at`` is the step of the
         first sample, ``begun_along`` (N, 3) [m] where robots are then, as `Layout.begun_along` has
-        it. Raises RecordError where the file cannot be written, where another run is writing it,
+        it; ``judged`` the log that the poses are of.
+        Raises RecordError where the file cannot be written, where another run is writing it,
         and, without ``overwrite``, where it exists; PhysimError for what is no regular file.
         """
         world = getattr(scene, "world", None)
@@ -150,6 +152,8 @@ class RecordWriter:
             "given_settings": list(given_settings),
             "versions": _versions(),
         }
+        if judged is not None:
+            attributes["judged"] = judged
         packed = {
             "shapes": scene.shapes,
             "walls": scene.walls,
@@ -173,7 +177,7 @@ class RecordWriter:
             with self._writing():
                 self._file = self._open(overwrite)
                 for key, value in attributes.items():
-                    is_json = isinstance(value, list | dict | Declared)
+                    is_json = isinstance(value, list | dict | Declared | layout.Judged)
                     self._file.attrs[key] = json.dumps(value, default=asdict) if is_json else value
                 self._file.create_group(layout.WALL_CLOCK)
                 self._datasets = {

@@ -234,6 +234,22 @@ def blocks(record: Record) -> Iterator[tuple[int, int]]:
         yield first, min(first + size, record.steps_run)
 
 
+def twists(record: Record, first: int, last: int) -> FloatArray:
+    """(last - first, N, 2) what each robot follows from steps ``first`` to ``last - 1`` on.
+
+    [m/s, rad/s]: its applied command; of a log that was judged the twist over that step, as far as
+    it is not sideways.
+    """
+    if record.judged is None:
+        return record.commands_over("applied", first, last)
+    rows = np.arange(first, last + 1).clip(max=record.steps_run) - record.begun_at
+    moved = np.diff(record.pose[rows], axis=0)
+    half = 0.5 * moved[..., 2]
+    middle = record.pose[rows[:-1], :, 2] + half
+    chord = moved[..., 0] * np.cos(middle) + moved[..., 1] * np.sin(middle)
+    return np.stack((chord / np.sinc(half / np.pi), moved[..., 2]), axis=-1) / record.dt
+
+
 def check_positive(name: str, value: float) -> None:
     """Raise PhysimError unless a time [s] that was given is positive and finite."""
     if not (isinstance(value, int | float | np.number) and 0.0 < value < float("inf")):

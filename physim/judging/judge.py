@@ -1,0 +1,140 @@
+"""Judge a log: a record of poses, and of what follows from them by geometry alone.
+
+Footprints, walls, paths and formation are the world's; where robots are, the log says. From one
+step to the next position and angle go linearly, as everywhere in physim: a contact between two
+steps is as exact as that.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.analysis.validation.analytic_contacts import Room, near_rows
+from physim.contacts import CONTACT_ROW, Kind, Phase
+from physim.geometry.bodies import describe_contacts
+from physim.geometry.clearance import ClearanceFinder
+from physim.geometry.path import Tracking
+from physim.geometry.shapes import FloatArray, IntArray, joined_shapes
+from physim.judging.log import read_log
+from physim.judging.steps import Reading, motion_of
+from physim.record import Record, RecordWriter
+from physim.record.layout import Judged
+from physim.simulation.arrival import Arrivals, later_since
+from physim.simulation.recorder import BLOCK_POSES, check_room
+from physim.simulation.swept_contacts import SweptContactFinder
+from physim.tolerances import CONTACT
+from physim.world import World
+from physim.world.ground.solids import solids_of
+from physim.world.layout.scene_builder import build_scene
+from physim.world.scene import Scene
+
+AS_LOGGED = Reading()
+CALLED_SO: Mapping[str, str] = {}
+
+
+def judge(
+    log: str | os.PathLike[str] | Mapping[str, Any],
+    world: World,
+    *,
+    seed: int | None = None,
+    columns: Mapping[str, str] = CALLED_SO,
+    reading: Reading = AS_LOGGED,
+    path: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
+) -> Record:
+    """Judge poses of the robots of a world that no run of physim made, as a record.
+
+    ``log`` is a CSV file or a data frame with a row for each sample of a robot: ``time`` [s],
+    ``robot`` (its name in the world, or its number from 0), ``x``, ``y`` [m], ``heading`` [rad];
+    ``columns`` says what it calls one of them otherwise, ``reading`` how to take what is not plain.
+    ``seed`` is that of the world, where it draws something.
+
+    The record holds poses, contacts, distances and arrivals; commands, decisions, modes and
+    impulses are not known, which its ``judged`` says. It goes to the file ``path``, which must not
+    exist unless ``overwrite`` is set, or stays in memory. Raises PhysimError, one line with file,
+    line and column, for a log that cannot be judged, WorldError for a faulty world, and RecordError
+    where the record cannot be written.
+    """
+    scene = build_scene(world, seed)
+    found = read_log(log, scene.names, columns)
+    motion = motion_of(found, scene.limits, reading)
+    scene = replace(scene, dt=motion.dt, steps=len(motion.pose) - 1, start=motion.pose[0])
+    check_room(scene, 1, path)
+    writer = RecordWriter(
+        path, scene, scene.world.to_yaml(), accessible=scene.area.accessible_rings, record_every=1,
+        tables=("contacts",), overwrite=overwrite,
+        judged=Judged(found.name, found.sha256, motion.begun, motion.notes),
+    )  # fmt: skip
+    ended = "error"
+    try:
+        writer.append("contacts", contacts_of_poses(scene, motion.pose))
+        _write_samples(writer, scene, motion.pose)
+        ended = "duration"
+    finally:
+        writer.close(ended, steps_run=scene.steps, rejected=0, wall_clock={})
+    return writer.record()
+
+
+def contacts_of_poses(scene: Scene, pose: FloatArray) -> NDArray[np.void]:
+    """Rows of `CONTACT_ROW` of poses (K, N, 3), by step; no impulse is known, it is 0."""
+    grazes, finder = [np.zeros(0, CONTACT_ROW)], SweptContactFinder(scene)
+    touching, room = [np.zeros((0, 3), dtype=np.int64)], Room()
+    size = max(2, BLOCK_POSES // scene.robots)
+    for first in range(0, len(pose) - 1, size):
+        block = np.ascontiguousarray(pose[first : first + size + 1])
+        near = near_rows(block, first, scene.shapes, scene.walls, CONTACT, scene.dt, room)
+        near = near[near["distance"] <= CONTACT]
+        touching.append(np.stack([near[name] for name in ("step", "a", "b")], axis=1))
+        steps = enumerate(zip(block[:-1], block[1:], strict=True), first + 1)
+        grazes += [finder.follow(step, old, now)[1] for step, (old, now) in steps]
+    rows = np.concatenate((_lasting(scene, pose, np.concatenate(touching)), *grazes))
+    return rows[np.lexsort((rows["b"], rows["a"], rows["step"]))]
+
+
+def _lasting(scene: Scene, pose: FloatArray, touching: IntArray) -> NDArray[np.void]:
+    """Rows of pairs that touch at steps, (M, 3) of step, a and b, and where they part."""
+    bodies = len(scene.bodies)
+    key = (touching[:, 0] * bodies + touching[:, 1]) * bodies + touching[:, 2]
+    after = key + bodies * bodies
+    parted = after[(touching[:, 0] < len(pose) - 1) & ~np.isin(after, key)]
+    every = np.sort(np.concatenate((key, parted)))
+    step, pairs = every // (bodies * bodies), np.stack((every // bodies, every), 1) % bodies
+    rows = np.zeros(len(every), CONTACT_ROW)
+    rows["step"], rows["kind"] = step, Kind.PHYSICAL
+    rows["a"], rows["b"] = pairs.T
+    rows["phase"] = np.where(np.isin(every, after), Phase.STAYS, Phase.BEGAN)
+    rows["phase"][np.isin(every, parted)] = Phase.ENDED
+    shapes, faces = joined_shapes(scene.shapes, scene.walls), solids_of(scene.walls).faces
+    place, found = np.zeros((len(shapes.radius), 3)), np.empty((len(every), 5))
+    edges = np.flatnonzero(np.diff(step, prepend=-1, append=-1))
+    for low, high in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
+        place[: scene.robots], some = pose[step[low]], found[low:high]
+        describe_contacts(shapes, faces, scene.robots, place, pairs[low:high], high - low, some)
+    rows["x"], rows["y"], rows["nx"], rows["ny"] = found[:, :4].T
+    depth = -found[:, 4]
+    rows["depth"] = np.where(rows["phase"] == Phase.ENDED, depth, np.maximum(depth, 0.0))
+    return rows
+
+
+def _write_samples(writer: RecordWriter, scene: Scene, pose: FloatArray) -> None:
+    """Write poses (K, N, 3) with their clearances, and who has arrived since when."""
+    tracking = Tracking(scene.paths, scene.reference, scene.shapes.radius, pose[0])
+    arrivals, near = Arrivals(scene, tracking), ClearanceFinder(scene.shapes, scene.wall_tree)
+    since, size = np.full(scene.robots, -1, dtype=np.int64), max(1, BLOCK_POSES // scene.robots)
+    for first in range(0, len(pose), size):
+        block = pose[first : first + size]
+        steps, arrived = np.arange(first, first + len(block)), np.zeros(block.shape[:2], np.bool_)
+        for step in steps[steps > 0].tolist():
+            arrivals.follow(tracking, step, pose[step])
+            arrived[step - first] = arrivals.arrived
+        since = later_since(since, first, arrived)
+        writer.note_arrived(since)
+        found = near.find(block)
+        writer.note_extremes(steps, found)
+        writer.append_steps(steps, block, found.clearance, found.boundary_clearance)

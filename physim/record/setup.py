@@ -130,7 +130,7 @@ def setup_of(record: Record) -> Setup:
     ]
     world = record.world_settings
     if record.judged is not None:  # the world's parts did not act
-        whole = ((Part("not known", {}), tuple(range(record.robots))),)
+        whole = ((Part(f"log {record.judged.source}", {}), tuple(range(record.robots))),)
         return Setup(whole, {}, (), record.versions, record.names, record.judged)
     own = dict(parts).get("controller") or _part(world.get("controller"), ControllerChoice().type)
     entries = world.get("robots")

@@ -294,7 +294,7 @@ def check_complete(record: Record) -> None:
 def _run(record: Record, whole: Record, source: str) -> Run:
     """What was run, as the record says; how long, as that says which has every sample."""
     controller = controller_name(record) or "not named in the record"
-    if len(record.setup.controllers) > 1:
+    if len(record.setup.controllers) > 1 or record.judged is not None:
         controller = record.setup.controller_names
     return Run(
         record.name, source, record.seed, controller, record.bodies, record.robots, record.dt,

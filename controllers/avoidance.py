@@ -51,7 +51,7 @@ def course_under(bodies: Bodies, row: int, v: float, omega: float) -> Course:
     pose, facing = bodies.pose, bodies.facing
     radius = bodies.shapes.radius[bodies.number[row]]
     return facing_course(
-        pose[row, 0], pose[row, 1], facing[row, 0], facing[row, 1], v, omega, radius
+        pose[row, 0], pose[row, 1], facing[row, 0], facing[row, 1], v, omega, 0.0, radius
     )
 
 
@@ -106,14 +106,14 @@ def first_robot(
 
     ``enough`` is that of `smallest_time`.
     """
-    shapes, number, command = bodies.shapes, bodies.number, bodies.command
+    shapes, number, twist = bodies.shapes, bodies.number, bodies.twist
     pose, facing, radius = bodies.pose, bodies.facing, shapes.radius
     smallest = np.inf
     for k in range(near.size):
         j = near.rows[k]
         theirs = facing_course(
             pose[j, 0], pose[j, 1], facing[j, 0], facing[j, 1],
-            command[j, 0], near.keep * command[j, 1], radius[number[j]],
+            twist[j, 0], near.keep * twist[j, 1], twist[j, 2], radius[number[j]],
         )  # fmt: skip
         until = min(smallest, horizon)
         if never_meet(mine, theirs, until):
@@ -131,7 +131,7 @@ def smallest_time(
 ) -> float:
     """Smallest xi [s] by (11) under the speed pair ``pair``; inf when none.
 
-    The others keep the commands they hold. As soon as it is certain that the value is below
+    The others keep their twists. As soon as it is certain that the value is below
     ``enough``, some number from the value up to below ``enough`` is returned: the caller has no
     use for it.
     """
@@ -159,15 +159,15 @@ def distance_after(
     in. The last row is for the robot's own. As soon as the value is below ``enough`` the rest is
     left out.
     """
-    me, pose, command, end = near.me, bodies.pose, bodies.command, poses[near.size]
+    me, pose, twist, end = near.me, bodies.pose, bodies.twist, poses[near.size]
     radius, number = bodies.shapes.radius, bodies.number
-    move(pose[me], pair[0], pair[1], period, end)
+    move(pose[me], pair[0], pair[1], 0.0, period, end)
     c, s, mine = cos(end[2]), sin(end[2]), radius[number[me]]
     smallest = np.inf
     for k in range(near.size):
         j = near.rows[k]
         if np.isnan(poses[k, 0]):
-            move(pose[j], command[j, 0], command[j, 1], period, poses[k])
+            move(pose[j], twist[j, 0], twist[j, 1], twist[j, 2], period, poses[k])
         if discs_apart(end, poses[k], mine + radius[number[j]]) < smallest:
             d = distance_to(bodies, me, end, c, s, j, poses[k], smallest)  # (11)
             smallest = min(smallest, d)
@@ -190,7 +190,7 @@ def widest_pair(
 ) -> int:
     """Index of the speed pair with the largest smallest distance after ``period`` (12).
 
-    Other robots move on under their held commands. ``walls_count``: whether the boundaries do.
+    Other robots keep their twists. ``walls_count``: whether the boundaries do.
     """
     poses = np.full((near.size + 1, 3), np.nan)
     pose, best, widest = bodies.pose[near.me], 0, -np.inf

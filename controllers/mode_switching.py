@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.errors import Fault, Location
-from physim.geometry.motion import Course, facings
+from physim.geometry.motion import Course, facings, twists
 from physim.geometry.neighbours import put_in_order
 from physim.geometry.path import path_length, point_at
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows2, Rows6, Shapes
@@ -374,7 +374,7 @@ def decide_due(
         if start[k] + b - a > out.room:
             return k
         mine = Bodies(
-            bodies.shapes, bodies.number[a:], bodies.pose[a:], bodies.command[a:],
+            bodies.shapes, bodies.number[a:], bodies.pose[a:], bodies.twist[a:],
             bodies.station[a:], bodies.facing[a:], b - a,
         )  # fmt: skip
         order = room.ranking.order
@@ -444,7 +444,7 @@ class ModeSwitching:
         cluster, rules, room = view.prepared(self._prepared)
         s, many, rows = view.sensed, len(due), len(view.sensed.robot)
         bodies = Bodies(
-            cluster.shapes, s.robot, s.pose, s.command, s.reference_station,
+            cluster.shapes, s.robot, s.pose, twists(s.command), s.reference_station,
             facings(s.pose), rows,
         )  # fmt: skip
         known = Memory(memory["mode"], memory["plan"].reshape(-1, 2), memory["dwell"])

@@ -105,7 +105,7 @@ def plan_end(
     rest = judge_ahead
     for k in range(dwells):
         duration = max(dwell[k], rest) if k == dwells - 1 else dwell[k]
-        x, y, heading = arc(x, y, heading, plan[k, 0], plan[k, 1], duration)
+        x, y, heading = arc(x, y, heading, plan[k, 0], plan[k, 1], 0.0, duration)
         rest -= dwell[k]
     return x, y, heading
 

@@ -26,8 +26,8 @@ class Bodies(NamedTuple):
     """(n,) robot indices, by which ``shapes`` has their bodies"""
     pose: Rows3
     """(n, 3)"""
-    command: Rows2
-    """(n, 2) held"""
+    twist: Rows3
+    """(n, 3) v [m/s], omega [rad/s], lateral [m/s] that each is taken to keep"""
     station: FloatArray
     """(n,) [m] along the reference path"""
     facing: Rows2

@@ -1,5 +1,7 @@
 """Every tolerance of the project, named, with its reason."""
 
+from math import hypot
+
 CONTACT = 1e-9
 """[m] Shapes closer than this touch. The engine decides contact to 1e-12 m at 10 km from the
 origin and to 1e-14 m near it, so 1e-9 m is above its rounding and far below any real gap."""
@@ -56,13 +58,13 @@ FLAT = 1e-12
 that is concave by that much differs from a convex one by less than ``CONTACT`` up to 1000 m."""
 
 
-def chord(v: float, omega: float, dt: float) -> float:
+def chord(v: float, omega: float, lateral: float, dt: float) -> float:
     """Return the largest gap [m] between the arc of one step and the straight line of its ends.
 
     Between two samples the engine moves position and angle linearly; the exact arc lies at most
-    ``|v| |omega| dt^2 / 8`` from that.
+    ``|v| |omega| dt^2 / 8`` from that, of an omnidirectional robot with the length of its velocity.
     """
-    return abs(v) * abs(omega) * dt * dt / 8.0
+    return hypot(v, lateral) * abs(omega) * dt * dt / 8.0
 
 
 SHARE = 1e-9

@@ -44,12 +44,12 @@ def distance_and_witness(rng: Any) -> Any:
 def collision_time(rng: Any) -> Any:
     """Of two that turn, of two on straight lines, of one and a wall."""
     _, shapes, pose = random_scene(rng, 2)
-    twist, straight = rng.uniform(-1.0, 1.0, (2, 2)), np.array([rng.uniform(-1.0, 1.0), 0.0])
+    twist, straight = rng.uniform(-1.0, 1.0, (2, 3)), np.array([rng.uniform(-1.0, 1.0), 0.0, 0.0])
     other = shapes, 1, pose[1]
-    wall = corridor_walls(), 0, np.zeros(3), np.zeros(2)
+    wall = corridor_walls(), 0, np.zeros(3), np.zeros(3)
     return (
         collision_time_pair(shapes, 0, pose[0], twist[0], *other, twist[1], 10.0),
-        collision_time_pair(shapes, 0, pose[0], straight, *other, straight[::-1].copy(), 10.0),
+        collision_time_pair(shapes, 0, pose[0], straight, *other, np.roll(straight, 1), 10.0),
         collision_time_pair(shapes, 0, pose[0], straight, *other, -straight, 10.0),
         collision_time_pair(*wall, *other, twist[0], 20.0),
     )
@@ -58,7 +58,7 @@ def collision_time(rng: Any) -> Any:
 def arcs_and_tracking(rng: Any) -> Any:
     lines = pack_polylines([np.cumsum(rng.uniform(-1.0, 2.0, (6, 2)), axis=0) for _ in range(3)])
     pose, out, after = rng.uniform(0.0, 6.0, (2, 3)), np.empty((2, 3)), np.empty(6)
-    put_arcs(pose, rng.uniform(-1.0, 1.0, (2, 2)), 2, 0.3, out)
+    put_arcs(pose, rng.uniform(-1.0, 1.0, (2, 3)), 2, 0.3, out)
     last, before = np.zeros(4, np.int64), rng.uniform(0.0, 5.0, 6)
     track_all(lines, 2, last, out, rng.uniform(0.5, 3.0, 2), before, after)
     return out, last, after

@@ -339,11 +339,12 @@ def collision_time_pair(
     twist_j: FloatArray,
     horizon: float,
 ) -> float:
-    """Collision time (11) [s] of bodies i and j, each on its arc; inf if none.
+    """Collision time (11) [s] of bodies i and j, each on the arc of its twist (3,); inf if none.
 
-    A wall is a body that stands at the origin; it comes first.
+    A twist is (v, omega, lateral), as `physim.geometry.motion.twists` gives it. A wall is a body
+    that stands at the origin; it comes first.
     """
     radius_a, radius_b = shapes_a.radius[i], shapes_b.radius[j]
-    a = arc_course(pose_i[0], pose_i[1], pose_i[2], twist_i[0], twist_i[1], radius_a)
-    b = arc_course(pose_j[0], pose_j[1], pose_j[2], twist_j[0], twist_j[1], radius_b)
+    a = arc_course(pose_i[0], pose_i[1], pose_i[2], twist_i[0], twist_i[1], twist_i[2], radius_a)
+    b = arc_course(pose_j[0], pose_j[1], pose_j[2], twist_j[0], twist_j[1], twist_j[2], radius_b)
     return bodies_time(shapes_a, i, a, shapes_b, j, b, horizon)

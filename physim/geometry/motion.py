@@ -1,8 +1,10 @@
-"""Equation (1) solved exactly: constant (v, omega) is motion on a circular arc.
+"""Equation (1) solved exactly: a constant twist (v, omega, lateral) is motion on a circular arc.
 
 Over a time t the robot turns by ``omega t`` and its reference point moves along the chord of the
 arc: ``v t sin(h) / h`` in the direction heading + h, with h = omega t / 2. ``sin(h) / h`` is
-accurate to the last bits for every h but 0, so no case distinction by size is needed.
+accurate to the last bits for every h but 0, so no case distinction by size is needed. The lateral
+speed, left positive, is that of omnidirectional robots, and turns the chord: with 0 nothing is
+added, so that the bits are those of (v, omega).
 """
 
 from __future__ import annotations
@@ -30,57 +32,85 @@ def chord_factor(h: float) -> float:
 
 @compiled
 def arc(
-    x: float, y: float, heading: float, v: float, omega: float, t: float
+    x: float, y: float, heading: float, v: float, omega: float, lateral: float, t: float
 ) -> tuple[float, float, float]:
-    """Return (x, y, heading) [m, m, rad] after time t [s] at constant (v, omega), equation (1).
+    """Return (x, y, heading) [m, m, rad] after time t [s] at a constant twist, equation (1).
 
     World frame; the heading is not wrapped; t may be negative.
     """
     h = 0.5 * omega * t
-    length = v * t * chord_factor(h)
+    factor = chord_factor(h)
+    length = v * t * factor
     direction = heading + h
-    return x + length * math.cos(direction), y + length * math.sin(direction), heading + omega * t
+    c, s = math.cos(direction), math.sin(direction)
+    dx, dy = length * c, length * s
+    if lateral != 0.0:
+        across = lateral * t * factor
+        dx -= across * s
+        dy += across * c
+    return x + dx, y + dy, heading + omega * t
 
 
 @compiled
-def move(pose: FloatArray, v: float, omega: float, t: float, out: FloatArray) -> None:
+def move(
+    pose: FloatArray, v: float, omega: float, lateral: float, t: float, out: FloatArray
+) -> None:
     """Write the pose (3,) after time t [s] by `arc` into ``out``."""
-    out[0], out[1], out[2] = arc(pose[0], pose[1], pose[2], v, omega, t)
+    out[0], out[1], out[2] = arc(pose[0], pose[1], pose[2], v, omega, lateral, t)
 
 
 @compiled
-def chord_velocity(heading: float, v: float, omega: float, dt: float) -> tuple[float, float]:
+def chord_velocity(
+    heading: float, v: float, omega: float, lateral: float, dt: float
+) -> tuple[float, float]:
     """Return the constant (vx, vy) [m/s], world frame, that ends where the arc of time dt ends."""
     h = 0.5 * omega * dt
-    speed = v * chord_factor(h)
-    return speed * math.cos(heading + h), speed * math.sin(heading + h)
+    factor = chord_factor(h)
+    speed = v * factor
+    c, s = math.cos(heading + h), math.sin(heading + h)
+    vx, vy = speed * c, speed * s
+    if lateral != 0.0:
+        vx -= lateral * factor * s
+        vy += lateral * factor * c
+    return vx, vy
+
+
+Twist = tuple[float, float, float]
+"""v [m/s], omega [rad/s] and lateral [m/s], left positive, in the body's frame"""
+
+
+def twists(command: FloatArray) -> FloatArray:
+    """Twists (N, 3) v [m/s], omega [rad/s], lateral [m/s] of commands (N, 2 or 3)."""
+    out = np.zeros((len(command), 3))
+    out[:, : command.shape[1]] = command
+    return out
 
 
 def arcs(pose: FloatArray, command: FloatArray, t: float) -> FloatArray:
-    """Poses (N, 3) after time t [s] of robots at poses (N, 3) with commands (N, 2) (v, omega)."""
+    """Poses (N, 3) after time t [s] of robots at poses (N, 3) with commands (N, 2 or 3)."""
     out = np.empty((len(pose), 3))
-    put_arcs(pose, command, len(pose), t, out)
+    put_arcs(pose, twists(command), len(pose), t, out)
     return out
 
 
 @compiled
-def put_arcs(pose: Rows3, command: Rows2, robots: int, t: float, out: Rows3) -> None:
-    """Write `arcs` into ``out`` (N, 3)."""
+def put_arcs(pose: Rows3, twist: Rows3, robots: int, t: float, out: Rows3) -> None:
+    """Write `arcs` of N ``robots`` with twists (N, 3) into ``out`` (N, 3)."""
     for i in range(robots):
-        move(pose[i], command[i, 0], command[i, 1], t, out[i])
+        move(pose[i], twist[i, 0], twist[i, 1], twist[i, 2], t, out[i])
 
 
 @compiled
-def chord_velocities(pose: Rows3, command: Rows2, robots: int, dt: float, out: Rows3) -> None:
+def chord_velocities(pose: Rows3, twist: Rows3, robots: int, dt: float, out: Rows3) -> None:
     """Write the chord velocity of each of N ``robots``, and its omega, into ``out`` (N, 3).
 
-    ``pose`` is (N, 3), ``command`` (N, 2): v [m/s] and omega [rad/s].
+    ``pose`` is (N, 3), ``twist`` (N, 3) as `twists` gives it.
     """
     for i in range(robots):
-        vx, vy = chord_velocity(pose[i, 2], command[i, 0], command[i, 1], dt)
+        vx, vy = chord_velocity(pose[i, 2], twist[i, 0], twist[i, 1], twist[i, 2], dt)
         out[i, 0] = vx
         out[i, 1] = vy
-        out[i, 2] = command[i, 1]
+        out[i, 2] = twist[i, 1]
 
 
 class Course(NamedTuple):
@@ -106,19 +136,26 @@ class Course(NamedTuple):
 
 
 @compiled
-def arc_course(x: float, y: float, heading: float, v: float, omega: float, radius: float) -> Course:
-    """Course of a body with the twist (v, omega) in its own frame: an arc."""
-    return facing_course(x, y, math.cos(heading), math.sin(heading), v, omega, radius)
+def arc_course(
+    x: float, y: float, heading: float, v: float, omega: float, lateral: float, radius: float
+) -> Course:
+    """Course of a body with the twist (v, omega, lateral) in its own frame: an arc."""
+    return facing_course(x, y, math.cos(heading), math.sin(heading), v, omega, lateral, radius)
 
 
 @compiled
 def facing_course(
-    x: float, y: float, c: float, s: float, v: float, omega: float, radius: float
+    x: float, y: float, c: float, s: float, v: float, omega: float, lateral: float, radius: float
 ) -> Course:
     """`arc_course` of a body whose heading has the cosine c and the sine s."""
     if abs(omega) < NO_TURN:
         omega = 0.0
-    return Course(x, y, c, s, v * c, v * s, omega, omega, abs(v), radius)
+    vx, vy, speed = v * c, v * s, abs(v)
+    if lateral != 0.0:
+        vx -= lateral * s
+        vy += lateral * c
+        speed = math.sqrt(v * v + lateral * lateral)
+    return Course(x, y, c, s, vx, vy, omega, omega, speed, radius)
 
 
 def facings(pose: FloatArray) -> FloatArray:

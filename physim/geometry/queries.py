@@ -32,6 +32,7 @@ from physim.geometry.motion import (
     arc_course,
     moves_straight,
     straight_course,
+    twists,
 )
 from physim.geometry.polygon import convex_parts, is_convex_part
 from physim.geometry.shapes import FloatArray, IntArray, Part, Rows3, Shapes, locked, pack_parts
@@ -48,6 +49,8 @@ FIRST_STRIDE = 1e-9
 
 ROWS = {"pose": {3: "x, y, heading"}, "twist": {2: "v, omega", 3: "vx, vy, omega"}}
 """How many numbers a row of an argument may have, and which they are"""
+FRAMES = ("world", "body")
+"""In which the three numbers of a twist may be"""
 
 
 # Arguments
@@ -113,6 +116,14 @@ def rows_of(values: Any, what: str, count: int) -> FloatArray:
         k = int(np.argmin(np.isfinite(rows).all(axis=1)))
         raise PhysimError(f"{what}: row {k} is {rows[k].tolist()}; finite numbers are needed")
     return cast(FloatArray, locked(np.ascontiguousarray(rows)))
+
+
+def twists_of(values: Any, what: str, count: int, frame: str) -> tuple[FloatArray, bool]:
+    """Twists (count, 3), and whether they are (v, omega, lateral), arcs, not (vx, vy, omega)."""
+    if frame not in FRAMES:
+        raise PhysimError(f"frame: {frame!r} given; allowed: {' or '.join(map(repr, FRAMES))}")
+    rows = rows_of(values, what, count)
+    return twists(rows), rows.shape[1] == 2 or frame == "body"
 
 
 def indices_of(values: Any, what: str, shapes: Shapes, count: int) -> IntArray:
@@ -212,38 +223,39 @@ def collision_time(
     pose_b: ArrayLike,
     twist_b: ArrayLike,
     horizon: float = 10.0,
+    frame: str = "world",
 ) -> float:
     """Collision time (11) [s]: when two shapes first touch if both keep their twists.
 
     Footprints are in the body frames, poses (x, y, heading) [m, m, rad] in the world frame. A
     twist is (v, omega) [m/s, rad/s] in the body frame, an arc, or (vx, vy, omega) in the world
-    frame, a straight line while turning; (0, 0) stands still.
+    frame, a straight line while turning; (0, 0) stands still. With ``frame="body"`` three numbers
+    are (v, omega, lateral), the command of an omnidirectional robot: an arc, too.
 
     0 while they overlap or touch (within 1e-9 m); inf when they do not touch up to ``horizon``
     [s]. Never late: at every earlier instant they are apart, and at the time returned they are
     within 1e-9 m; a pass within 1e-9 m may count either way.
     """
     until = horizon_of(horizon)
-    shapes, a, b = _two_bodies(footprint_a, pose_a, twist_a, footprint_b, pose_b, twist_b)
+    bodies = (footprint_a, pose_a, twist_a), (footprint_b, pose_b, twist_b)
+    shapes, a, b = _two_bodies(*bodies, frame)
     return bodies_time(shapes, 0, a, shapes, 1, b, until)
 
 
 def _two_bodies(
-    footprint_a: ShapeLike,
-    pose_a: ArrayLike,
-    twist_a: ArrayLike,
-    footprint_b: ShapeLike,
-    pose_b: ArrayLike,
-    twist_b: ArrayLike,
+    a: tuple[ShapeLike, ArrayLike, ArrayLike],
+    b: tuple[ShapeLike, ArrayLike, ArrayLike],
+    frame: str,
 ) -> tuple[Shapes, Course, Course]:
-    """Both bodies, packed, and their courses."""
-    parts = parts_of(footprint_a, "footprint_a"), parts_of(footprint_b, "footprint_b")
-    shapes = pack_parts(parts)
-    a = rows_of(pose_a, "pose_a", 1), rows_of(twist_a, "twist_a", 1)
-    b = rows_of(pose_b, "pose_b", 1), rows_of(twist_b, "twist_b", 1)
+    """Both bodies, each a footprint, a pose and a twist, packed, and their courses."""
+    shapes = pack_parts([parts_of(a[0], "footprint_a"), parts_of(b[0], "footprint_b")])
+    moving = [
+        (rows_of(body[1], f"pose_{name}", 1), *twists_of(body[2], f"twist_{name}", 1, frame))
+        for name, body in (("a", a), ("b", b))
+    ]
     one, other = (
-        course_of(pose[0], twist[0], twist.shape[1], radius)
-        for (pose, twist), radius in zip((a, b), shapes.radius, strict=True)
+        course_of(pose[0], twist[0], is_arc, radius)
+        for (pose, twist, is_arc), radius in zip(moving, shapes.radius, strict=True)
     )
     return shapes, one, other
 
@@ -276,19 +288,21 @@ def collision_time_certified(
     pose_b: ArrayLike,
     twist_b: ArrayLike,
     horizon: float = 10.0,
+    frame: str = "world",
 ) -> CertifiedTime:
     """Return `collision_time` with a lower and an upper bound [s], and whether the cap was hit.
 
     Arguments, units and errors are those of `collision_time`: footprints (n, 2) [m], or several
     together (a boundary: ``polyline(points)`` with pose (0, 0, 0) and twist (0, 0)), poses (3,),
-    twists (v, omega) in the body frame or (vx, vy, omega) in the world frame. Raises `PhysimError`
+    twists (v, omega) in the body frame or (vx, vy, omega) in the ``frame``'s. Raises `PhysimError`
     for anything else.
 
     ``time`` errs early by at most what it takes to close 1e-9 m, never late. Where the shapes
     close at 1e-3 m/s or more and overlap, the bounds are within 2e-6 s of each other.
     """
     until = horizon_of(horizon)
-    shapes, a, b = _two_bodies(footprint_a, pose_a, twist_a, footprint_b, pose_b, twist_b)
+    bodies = (footprint_a, pose_a, twist_a), (footprint_b, pose_b, twist_b)
+    shapes, a, b = _two_bodies(*bodies, frame)
     if never_meet(a, b, until):
         return CertifiedTime(math.inf, math.inf, math.inf, False)
     time, lower, capped = certified_start(shapes, a, b, until)
@@ -390,11 +404,13 @@ def collision_times(
     pose_b: ArrayLike,
     twist_b: ArrayLike,
     horizon: float = 10.0,
+    frame: str = "world",
 ) -> FloatArray:
     """Collision times (11) [s] of M pairs (M,): each as `collision_time` gives it, inf if none.
 
     Bodies and poses as in `shortest_distances`. Twists are (M, 2) (v, omega) [m/s, rad/s] in the
-    body frames, or (M, 3) (vx, vy, omega) in the world frame; one twist serves for all pairs.
+    body frames, or (M, 3) (vx, vy, omega) in the world frame; one twist serves for all pairs. With
+    ``frame="body"`` three numbers are (v, omega, lateral), as in `collision_time`.
 
     Never late: at every earlier instant the shapes are apart, and at the time they are within
     1e-9 m, unless the cap of advances was reached (`collision_time_certified` reports it): then it
@@ -404,11 +420,9 @@ def collision_times(
     count = count_of((index_a, index_b), (pose_a, pose_b, twist_a, twist_b))
     i, p = indices_of(index_a, "index_a", shapes_a, count), rows_of(pose_a, "pose_a", count)
     j, q = indices_of(index_b, "index_b", shapes_b, count), rows_of(pose_b, "pose_b", count)
-    u, w = rows_of(twist_a, "twist_a", count), rows_of(twist_b, "twist_b", count)
+    u, w = (twists_of(*one, count, frame) for one in ((twist_a, "twist_a"), (twist_b, "twist_b")))
     out = np.empty(count)
-    axes = u.shape[1], w.shape[1]
-    u, w = u.reshape(-1), w.reshape(-1)
-    fill_times(shapes_a, i, p, u, axes[0], shapes_b, j, q, w, axes[1], until, count, out)
+    fill_times(shapes_a, i, p, *u, shapes_b, j, q, *w, until, count, out)
     return out
 
 
@@ -430,11 +444,11 @@ def fill_distances(
 
 
 @compiled
-def course_of(pose: FloatArray, twist: FloatArray, axes: int, radius: float) -> Course:
-    """Course of a body at a pose (3,) with a twist of so many ``axes``, 2 or 3."""
+def course_of(pose: FloatArray, twist: FloatArray, is_arc: bool, radius: float) -> Course:
+    """Course of a body at a pose (3,) with a twist (3,) as `twists_of` gives it."""
     x, y, heading = pose[0], pose[1], pose[2]
-    if axes == 2:
-        return arc_course(x, y, heading, twist[0], twist[1], radius)
+    if is_arc:
+        return arc_course(x, y, heading, twist[0], twist[1], twist[2], radius)
     return straight_course(x, y, heading, twist[0], twist[1], twist[2], radius)
 
 
@@ -443,24 +457,21 @@ def fill_times(
     shapes_a: Shapes,
     index_a: IntArray,
     pose_a: Rows3,
-    twist_a: FloatArray,
-    axes_a: int,
+    twist_a: Rows3,
+    is_arc_a: bool,
     shapes_b: Shapes,
     index_b: IntArray,
     pose_b: Rows3,
-    twist_b: FloatArray,
-    axes_b: int,
+    twist_b: Rows3,
+    is_arc_b: bool,
     horizon: float,
     many: int,
     out: FloatArray,
 ) -> None:
-    """Write `collision_times` into ``out`` (M,).
-
-    Twists have so many ``axes``, 2 or 3, one after the other.
-    """
+    """Write `collision_times` into ``out`` (M,); twists are those of `twists_of`."""
     for k in range(many):
         i = index_a[k]
         j = index_b[k]
-        a = course_of(pose_a[k], twist_a[axes_a * k :], axes_a, shapes_a.radius[i])
-        b = course_of(pose_b[k], twist_b[axes_b * k :], axes_b, shapes_b.radius[j])
+        a = course_of(pose_a[k], twist_a[k], is_arc_a, shapes_a.radius[i])
+        b = course_of(pose_b[k], twist_b[k], is_arc_b, shapes_b.radius[j])
         out[k] = bodies_time(shapes_a, i, a, shapes_b, j, b, horizon)

@@ -92,17 +92,17 @@ def test_walls_against_marching(seed):
     starts = walls.part_start
     parts = [walls.vertices[starts[k] : starts[k + 1]] for k in range(len(starts) - 1)]
     pose = np.array([rng.uniform(5, 35), rng.uniform(-2, 2), rng.uniform(-4, 4)])
-    twist = np.array([rng.uniform(-1.5, 1.5), rng.choice(OMEGAS)])
+    twist = np.array([rng.uniform(-1.5, 1.5), rng.choice(OMEGAS), 0.0])
 
     def time(some):
-        still = np.zeros(3), np.zeros(2)
+        still = np.zeros(3), np.zeros(3)
         return min(
             collision_time_pair(some, w, *still, shapes, 0, pose, twist, HORIZON)
             for w in range(len(some.body_start) - 1)
         )
 
     xi = time(walls)
-    check_time(xi, (bodies[0], pose, twist), (parts, np.zeros(3), (0.0, 0.0)))
+    check_time(xi, (bodies[0], pose, twist[:2]), (parts, np.zeros(3), (0.0, 0.0)))
     # The order of the parts, and what was found before, change nothing.
     assert xi == time(pack_parts([[part] for part in parts]))
     assert xi == time(pack_parts([parts[::-1]]))
@@ -175,13 +175,33 @@ def test_horizon_only_cuts():
 
 @examples(25, deep=150)
 @given(st.integers(0, 2**32 - 1))
+def test_an_omnidirectional_twist_is_that_of_a_body_that_faces_its_way(seed):
+    """The same motion told twice: of a frame in which the body goes straight ahead."""
+    rng = np.random.default_rng(seed)
+    bodies, _, pose = random_scene(rng, 2)
+    twist = rng.uniform(-1.5, 1.5, (2, 3))
+    one, other = ([bodies[k], pose[k], twist[k]] for k in (0, 1))
+    xi = collision_time(*one, *other, HORIZON, frame="body")
+    v, omega, lateral = twist[0]
+    way = math.atan2(lateral, v)
+    c, s = math.cos(way), math.sin(way)
+    facing = [part @ np.array([[c, -s], [s, c]]) for part in bodies[0]]
+    told = collision_time(
+        facing, pose[0] + (0.0, 0.0, way), (math.hypot(v, lateral), omega, 0.0), *other, HORIZON,
+        frame="body",
+    )  # fmt: skip
+    assert xi == pytest.approx(told, abs=1e-5)
+
+
+@examples(25, deep=150)
+@given(st.integers(0, 2**32 - 1))
 def test_two_derivations_agree_in_translation(seed):
     """Closed form against the advancement, which knows nothing of it."""
     rng = np.random.default_rng(seed)
     P, Q = random_convex(rng), random_convex(rng)
     pose_a, pose_b = (np.array([*rng.uniform(-3, 3, 2), rng.uniform(-4, 4)]) for _ in range(2))
-    a = arc_course(*pose_a, rng.uniform(-1, 1), 0.0, 3.0)
-    b = arc_course(*pose_b, rng.uniform(-1, 1), 0.0, 3.0)
+    a = arc_course(*pose_a, rng.uniform(-1, 1), 0.0, rng.uniform(-1, 1), 3.0)
+    b = arc_course(*pose_b, rng.uniform(-1, 1), 0.0, 0.0, 3.0)
     parts = Part(P, 0, len(P)), a, Part(Q, 0, len(Q)), b
     closed = part_time(*parts, HORIZON)
     marched, d, _ = advancement_time(*parts, HORIZON)

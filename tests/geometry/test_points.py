@@ -51,8 +51,8 @@ def test_a_bar_that_turns_in_place_meets_the_corner_of_a_box() -> None:
     bar = [(-1.0, -0.1), (1.0, -0.1), (1.0, 0.1), (-1.0, 0.1)]
     box = [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)]
     shapes = pack_parts([[bar], [box]])
-    turning = shapes, 0, np.zeros(3), np.array([0.0, 1.0])
-    other = shapes, 1, np.array([0.0, 1.0, 0.0]), np.zeros(2)
+    turning = shapes, 0, np.zeros(3), np.array([0.0, 1.0, 0.0])
+    other = shapes, 1, np.array([0.0, 1.0, 0.0]), np.zeros(3)
     time = collision_time_pair(*turning, *other, 5.0)
     touch = math.atan2(0.9, 0.1) - math.asin(0.1 / math.hypot(0.9, 0.1))
     assert time == pytest.approx(touch, abs=1e-4)

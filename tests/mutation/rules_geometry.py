@@ -137,8 +137,8 @@ def headings_are_kept_in_11() -> None:
     """A collision time takes both bodies as not turning."""
     given(
         COLLISION + "collision_time_pair",
-        twist_i=lambda a: np.array((a.twist_i[0], 0.0)),
-        twist_j=lambda a: np.array((a.twist_j[0], 0.0)),
+        twist_i=lambda a: np.array((a.twist_i[0], 0.0, 0.0)),
+        twist_j=lambda a: np.array((a.twist_j[0], 0.0, 0.0)),
     )  # fmt: skip
 
 

@@ -95,7 +95,7 @@ def predictions_take_straight_lines() -> None:
     """A contact is foretold as if nobody turned."""
     given(
         PREDICTION + "pair_time",
-        twist_a=lambda a: (a.twist_a[0], 0.0), twist_b=lambda a: (a.twist_b[0], 0.0),
+        twist_a=lambda a: (a.twist_a[0], 0.0, 0.0), twist_b=lambda a: (a.twist_b[0], 0.0, 0.0),
     )  # fmt: skip
 
 

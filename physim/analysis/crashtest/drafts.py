@@ -364,7 +364,7 @@ def _back(
 ) -> Layout:
     """Robots that are at ``poses`` a time later, on their arcs."""
     start = [
-        arc(x, y, heading, *order, -time)
+        arc(x, y, heading, *order, 0.0, -time)
         for (x, y, heading), order in zip(poses, orders, strict=True)
     ]
     return Layout(robots, np.array(start), np.array(orders))

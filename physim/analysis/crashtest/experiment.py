@@ -57,7 +57,7 @@ def simulate_cases(batch: Packed) -> tuple[IntArray, int]:
         if step:
             # What has touched goes back where it came from: a pile-up would only cost time.
             going = sample[case_of, None] == NEVER
-            physics.step(np.where(going, batch.command, -batch.command))
+            physics.step(np.where(going, batch.twist, -batch.twist))
         rejected += len(physics.false_contacts)
         if len(rows := physics.contacts):
             case = case_of[rows["a"][rows["phase"] == Phase.BEGAN]]
@@ -126,7 +126,7 @@ def _compare(
             report.unexplained.append(one)
     same, swept = rows["verdict"] == Verdict.SAME_SAMPLE, seen.swept < np.inf
     # how far straight motion between samples is from the arcs, both robots together
-    off = np.array([chord(v, omega, dt) for v, omega in batch.command])
+    off = np.array([chord(v, omega, lateral, dt) for v, omega, lateral in batch.twist])
     chords = np.add.reduceat(off, batch.first_robot[:-1])
     firm = same & swept & (seen.closing >= CLOSING_SPEED)
     beyond = np.abs(seen.swept_gap) - chords > 2.0 * CONTACT  # the swept check has a slack, too

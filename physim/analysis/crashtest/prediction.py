@@ -15,8 +15,8 @@ from physim.compiled import compiled
 from physim.geometry.bodies import body_separation
 from physim.geometry.collision import collision_time_pair
 from physim.geometry.convex import Witness
-from physim.geometry.motion import move
-from physim.geometry.shapes import FloatArray, IntArray, Rows2, Rows3, Shapes, pack_parts
+from physim.geometry.motion import move, twists
+from physim.geometry.shapes import FloatArray, IntArray, Rows3, Shapes, pack_parts
 from physim.geometry.swept import swept_time
 from physim.tolerances import CONTACT, ROUNDING
 
@@ -33,8 +33,8 @@ class Packed(NamedTuple):
     """of all cases, world frame"""
     start: Rows3
     """(N, 3)"""
-    command: Rows2
-    """(N, 2)"""
+    twist: Rows3
+    """(N, 3) v [m/s], omega [rad/s], lateral [m/s]"""
     mass: FloatArray
     """(N,) [kg]"""
     first_robot: IntArray
@@ -57,7 +57,7 @@ def pack(dt: float, cases: tuple[Case, ...]) -> Packed:
         pack_parts([robot.parts for robot in robots]),
         pack_parts([parts for case in cases for parts in case.walls]),
         np.concatenate([one.start for one in layouts]),
-        np.concatenate([one.command for one in layouts]),
+        twists(np.concatenate([one.command for one in layouts])),
         np.array([robot.mass for robot in robots]), first_robot, first_wall, dt,
     )  # fmt: skip
 
@@ -90,27 +90,25 @@ class Approach(NamedTuple):
 @compiled
 def put_poses(batch: Packed, k: int, t: float, pose: Rows3) -> int:
     """Write the poses of the robots of case k on their arcs into ``pose``; how many they are."""
-    first, last = batch.first_robot[k], batch.first_robot[k + 1]
+    first, last, twist = batch.first_robot[k], batch.first_robot[k + 1], batch.twist
     for i in range(first, last):
-        move(batch.start[i], batch.command[i, 0], batch.command[i, 1], t, pose[i - first])
+        move(batch.start[i], twist[i, 0], twist[i, 1], twist[i, 2], t, pose[i - first])
     return int(last - first)
 
 
 @compiled
-def closing_speed(
-    pose: FloatArray, command: FloatArray, x: float, y: float, found: Witness
-) -> float:
+def closing_speed(pose: FloatArray, twist: FloatArray, x: float, y: float, found: Witness) -> float:
     """Speed [m/s] along a normal of the point (x, y) fixed to a robot."""
-    v, omega = command[0], command[1]
-    vx = v * math.cos(pose[2]) - omega * (y - pose[1])
-    vy = v * math.sin(pose[2]) + omega * (x - pose[0])
+    v, omega, lateral, c, s = twist[0], twist[1], twist[2], math.cos(pose[2]), math.sin(pose[2])
+    vx = v * c - lateral * s - omega * (y - pose[1])
+    vy = v * s + lateral * c + omega * (x - pose[0])
     return float(vx * found.nx + vy * found.ny)
 
 
 @compiled
 def state_at(batch: Packed, k: int, t: float) -> tuple[float, float]:
     """Signed distance [m] of case k, and closing speed [m/s] of its closest points."""
-    shapes, command, i = batch.shapes, batch.command, batch.first_robot[k]
+    shapes, twist, i = batch.shapes, batch.twist, batch.first_robot[k]
     pose = np.empty((2, 3))
     if put_poses(batch, k, t, pose) == 1:
         found = Witness(np.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -118,29 +116,29 @@ def state_at(batch: Packed, k: int, t: float) -> tuple[float, float]:
             other = body_separation(shapes, i, pose[0], batch.walls, w, np.zeros(3))
             if other.distance < found.distance:
                 found = other
-        return found.distance, closing_speed(pose[0], command[i], found.ax, found.ay, found)
+        return found.distance, closing_speed(pose[0], twist[i], found.ax, found.ay, found)
     found = body_separation(shapes, i, pose[0], shapes, i + 1, pose[1])
-    closing = closing_speed(pose[0], command[i], found.ax, found.ay, found)
-    closing -= closing_speed(pose[1], command[i + 1], found.bx, found.by, found)
+    closing = closing_speed(pose[0], twist[i], found.ax, found.ay, found)
+    closing -= closing_speed(pose[1], twist[i + 1], found.bx, found.by, found)
     return found.distance, closing
 
 
 @compiled
 def time_from(batch: Packed, k: int, since: float, horizon: float) -> float:
     """Collision time [s] of case k counted from ``since``, up to the horizon."""
-    shapes, command, i = batch.shapes, batch.command, batch.first_robot[k]
+    shapes, twist, i = batch.shapes, batch.twist, batch.first_robot[k]
     pose = np.empty((2, 3))
     if put_poses(batch, k, since, pose) == 1:
         xi, still = np.inf, np.zeros(3)
         for w in range(batch.first_wall[k], batch.first_wall[k + 1]):
             until = min(xi, horizon)
             time = collision_time_pair(
-                batch.walls, w, still, still, shapes, i, pose[0], command[i], until
+                batch.walls, w, still, still, shapes, i, pose[0], twist[i], until
             )
             xi = min(xi, time)
         return xi
     return collision_time_pair(
-        shapes, i, pose[0], command[i], shapes, i + 1, pose[1], command[i + 1], horizon
+        shapes, i, pose[0], twist[i], shapes, i + 1, pose[1], twist[i + 1], horizon
     )
 
 

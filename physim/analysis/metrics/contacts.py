@@ -36,7 +36,7 @@ from physim.analysis.metrics.distances import along_wall
 from physim.analysis.metrics.metric import section
 from physim.contacts import Kind, Phase, allowed_depth, touching
 from physim.errors import place_text
-from physim.geometry.motion import chord_velocity
+from physim.geometry.motion import Twist, chord_velocity, twists
 from physim.geometry.polygon import signed_area
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
@@ -195,8 +195,8 @@ class Severity:
     """[J] lost; None where the world is not known"""
 
 
-Held = Callable[[int, int], tuple[float, float]]
-"""Applied command (v [m/s], omega [rad/s]) of a robot over the step from a sample on"""
+Held = Callable[[int, int], Twist]
+"""Applied command of a robot over the step from a sample on"""
 
 
 def severity(
@@ -255,10 +255,11 @@ def point_velocity(
     touched = body in rows["a"] or body in rows["b"]
     if not touched and (held is not None or "updates" in record.tables):
         if held is None:
-            v, omega = record.commands_over("applied", step - 1, step)[0, body].tolist()
+            v, omega, lateral = twists(record.commands_over("applied", step - 1, step)[0])[body]
         else:
-            v, omega = held(body, step - 1)
-        wanted = np.array((*chord_velocity(float(before[2]), v, omega, record.dt), omega))
+            v, omega, lateral = held(body, step - 1)
+        along = chord_velocity(float(before[2]), v, omega, lateral, record.dt)
+        wanted = np.array((*along, omega))
         if moved @ wanted < (wanted @ wanted) * (1.0 - STOPPED):
             moved = wanted  # it was stopped within the step
     vx, vy, omega = moved

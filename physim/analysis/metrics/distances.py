@@ -16,7 +16,7 @@ import numpy as np
 import shapely
 
 from physim.analysis.metrics.metric import Moment, Series
-from physim.analysis.metrics.progress import blocks, twists
+from physim.analysis.metrics.progress import blocks, twists_over
 from physim.errors import PhysimError
 from physim.geometry.queries import collision_times as times_of_pairs
 from physim.geometry.shapes import FloatArray, IntArray, body_parts
@@ -89,20 +89,21 @@ def pair_collision_times(record: Record, horizon: float = HORIZON) -> tuple[Seri
     if not len(steps) or not len(i):
         return Series(np.zeros(0), np.zeros(0)), np.zeros((0, 2))
     steps = steps[:: -(-len(steps) * len(i) // MOST_TIMES)]
-    twist = np.zeros((len(steps), record.robots, 2))
+    twist = np.zeros((len(steps), record.robots, 3))
     for begin, end in blocks(record):
         mine = slice(*np.searchsorted(steps, (begin, end)))
         if mine.start < mine.stop:
-            twist[mine] = twists(record, begin, end)[steps[mine] - begin]
+            twist[mine] = twists_over(record, begin, end)[steps[mine] - begin]
     pose, shapes = record.pose[np.searchsorted(record.steps, steps)], record.shapes
-    reach = np.abs(twist[:, :, 0]) * horizon + shapes.radius[: record.robots]
+    reach = np.hypot(twist[:, :, 0], twist[:, :, 2]) * horizon + shapes.radius[: record.robots]
     gap = np.hypot(*np.moveaxis(pose[:, i, :2] - pose[:, j, :2], 2, 0))
     k, pair = np.nonzero(gap <= reach[:, i] + reach[:, j])
     a, b = i[pair], j[pair]
     times = np.full(gap.shape, np.inf)
     times[k, pair] = times_of_pairs(
-        shapes, a, pose[k, a], twist[k, a], shapes, b, pose[k, b], twist[k, b], horizon
-    )
+        shapes, a, pose[k, a], twist[k, a], shapes, b, pose[k, b], twist[k, b], horizon,
+        frame="body",
+    )  # fmt: skip
     first = np.argmin(times, axis=1)
     least = times[np.arange(len(steps)), first]
     who = np.where(np.isfinite(least)[:, None], np.stack((i[first], j[first]), axis=1), 0)

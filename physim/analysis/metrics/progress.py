@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from physim.analysis.metrics.metric import Each, Series, section
 from physim.errors import PhysimError
+from physim.geometry.motion import twists
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 from physim.simulation.arrival import STILL_TIME, most_beside, still_distances
@@ -234,20 +235,21 @@ def blocks(record: Record) -> Iterator[tuple[int, int]]:
         yield first, min(first + size, record.steps_run)
 
 
-def twists(record: Record, first: int, last: int) -> FloatArray:
-    """(last - first, N, 2) what each robot follows from steps ``first`` to ``last - 1`` on.
+def twists_over(record: Record, first: int, last: int) -> FloatArray:
+    """(last - first, N, 3) what each robot follows from steps ``first`` to ``last - 1`` on.
 
-    [m/s, rad/s]: its applied command; of a log that was judged the twist over that step, as far as
-    it is not sideways.
+    v [m/s], omega [rad/s], lateral [m/s]: its applied command; of a log that was judged the twist
+    that leads to the next step.
     """
     if record.judged is None:
-        return record.commands_over("applied", first, last)
-    rows = np.arange(first, last + 1).clip(max=record.steps_run) - record.begun_at
-    moved = np.diff(record.pose[rows], axis=0)
+        command = record.commands_over("applied", first, last)
+        return twists(command.reshape(-1, command.shape[2])).reshape(*command.shape[:2], 3)
+    moved = np.diff(record.pose[first : last + 1], axis=0)
     half = 0.5 * moved[..., 2]
-    middle = record.pose[rows[:-1], :, 2] + half
-    chord = moved[..., 0] * np.cos(middle) + moved[..., 1] * np.sin(middle)
-    return np.stack((chord / np.sinc(half / np.pi), moved[..., 2]), axis=-1) / record.dt
+    middle, arc = record.pose[first:last, :, 2] + half, np.sinc(half / np.pi)
+    cos, sin = np.cos(middle) / arc, np.sin(middle) / arc
+    x, y, turn = np.moveaxis(moved, 2, 0)
+    return np.stack((cos * x + sin * y, turn, cos * y - sin * x), axis=-1) / record.dt
 
 
 def check_positive(name: str, value: float) -> None:

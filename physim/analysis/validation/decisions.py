@@ -7,6 +7,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from physim.geometry.motion import Twist
 from physim.geometry.path import path_length, project, track
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
@@ -18,6 +19,10 @@ BLOCK = 1 << 14
 """Commands worked out at once where single ones are asked for"""
 BLOCKS = 32
 """of such blocks, how many are kept: 8 MB"""
+
+
+STILL: Twist = (0.0, 0.0, 0.0)
+"""of what stands"""
 
 
 class DecisionTable:
@@ -57,14 +62,14 @@ class DecisionTable:
         rows = [row for row in (self.last(i, step - 1) for i in robots) if row is not None]
         return max((int(row["step"]) for row in rows), default=None)
 
-    def held(self, robot: int, step: int) -> tuple[float, float]:
-        """Command (v [m/s], omega [rad/s]) that drives a robot over the step from a sample on.
+    def held(self, robot: int, step: int) -> Twist:
+        """Twist that drives a robot over the step from a sample on.
 
         That is the applied one; 0 before its first decision.
         """
         block, place = divmod(step, self._block_steps)
-        v, omega = self._held_block(block)[place, robot].tolist()
-        return v, omega
+        v, omega, *lateral = self._held_block(block)[place, robot].tolist()
+        return v, omega, lateral[0] if lateral else 0.0
 
     @property
     def _block_steps(self) -> int:

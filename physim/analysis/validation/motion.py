@@ -115,7 +115,7 @@ def _off(
 ) -> Strayed:
     """Steps of ``free`` (B - 1, N) robots that end elsewhere than their arcs."""
     start = np.ascontiguousarray(poses[:-1].reshape(-1, 3))
-    ends = arcs(start, np.ascontiguousarray(command.reshape(-1, 2)), dt).reshape(*free.shape, 3)
+    ends = arcs(start, command.reshape(-1, command.shape[2]), dt).reshape(*free.shape, 3)
     apart = np.abs(poses[1:] - ends)
     gap, turn = np.hypot(apart[..., 0], apart[..., 1]), apart[..., 2]
     slack = _slack(poses)
@@ -159,10 +159,10 @@ def _pushed(
     before, after = record.pose_at(step - 1), record.pose_at(step)
     for j in np.flatnonzero(touched[step - 1 - record.begun_at]).tolist():
         x, y, turn = np.abs(after[j] - before[j]).tolist()
-        v, omega = table.held(j, step - 1)
+        v, omega, lateral = table.held(j, step - 1)
         radius = float(table.radius[j])
         reach = PUSHED + math.hypot(x, y) + radius * turn
-        reach += (abs(v) + radius * abs(omega)) * record.dt
+        reach += (math.hypot(v, lateral) + radius * abs(omega)) * record.dt
         if shift <= 2.0 * reach and pair_distance(record, before, robot, j) <= reach:
             return True
     return False
@@ -184,7 +184,7 @@ class Pushing:
         """Steps of a block of poses (B, N, 3) that are longer than pushes and commands allow.
 
         Looked at are robots that are ``held`` (B - 1, N). ``first`` is the sample of the first
-        pose, ``command`` (B - 1, N, 2) what was applied.
+        pose, ``command`` (B - 1, N, 2 or 3) what was applied.
         """
         steps, robots = held.shape
         rows = self.record.contacts_over(first, first + steps + 1)
@@ -195,7 +195,8 @@ class Pushing:
             _between_robots(before, at, robots),
             _between_robots(after, (after["step"] - first - 1) * robots, robots),
         ))  # fmt: skip
-        rate = np.hypot(command[..., 0], self.gyration * command[..., 1]).ravel()
+        speed = np.hypot(command[..., 0], command[..., 2:].sum(axis=2))
+        rate = np.hypot(speed, self.gyration * command[..., 1]).ravel()
         overlap = np.maximum(before["depth"], 0.0)
         depth = np.bincount(at + before["a"], overlap, held.size).astype(np.float64)
         allowed = self._allowed(_groups(pairs, held.size), rate, depth).reshape(held.shape)

@@ -14,7 +14,7 @@ import numpy as np
 
 from physim.analysis.metrics import Figures, Moment
 from physim.analysis.metrics.distances import near_wall
-from physim.analysis.metrics.progress import twists
+from physim.analysis.metrics.progress import twists_over
 from physim.analysis.validation.analytic_contacts import (
     FULL,
     AnalyticContacts,
@@ -26,7 +26,7 @@ from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.responsibility import has_priority
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair
-from physim.geometry.shapes import FloatArray, IntArray, IntRows3, Rows2, Rows3, Shapes, read_only
+from physim.geometry.shapes import FloatArray, IntArray, IntRows3, Rows3, Shapes, read_only
 from physim.record import Record
 
 MOST_LISTED = 10
@@ -110,7 +110,7 @@ def decision_times(
     poses: Rows3,
     robots: int,
     start: int,
-    command: Rows2,
+    twist: Rows3,
     shapes: Shapes,
     walls: Shapes,
     boundaries: int,
@@ -122,14 +122,14 @@ def decision_times(
     """Write step, bodies a < b (C, 3) and collision time [s] (C,) of every pair that meets.
 
     Decisions are of a ``robot`` at a ``step`` each, in the order of steps; ``poses`` (B N, 3) are
-    those of N ``robots`` from step ``start`` on, ``command`` (B N, 2) what drives them from there
+    those of N ``robots`` from step ``start`` on, ``twist`` (B N, 3) what drives them from there
     on. Returns how many, or FULL.
     """
     still = np.zeros(3)
     count = 0
     for k in range(decisions):
         at, i = robots * (step[k] - start), robot[k]
-        pose, held = poses[at:], command[at:]
+        pose, held = poses[at:], twist[at:]
         for j in range(robots + boundaries):
             if j == i:
                 continue
@@ -167,11 +167,11 @@ def _times(record: Record) -> tuple[IntArray, FloatArray]:
     for poses, start in pose_blocks(record):
         end = start + len(poses) - 1
         rows = decided[slice(*np.searchsorted(decided["step"], [start, end]))]
-        command = read_only(twists(record, start, end))
+        twist = read_only(twists_over(record, start, end).reshape(-1, 3))
         step, robot = (rows[name].astype(np.int64) for name in ("step", "robot"))
         scan = partial(
             decision_times, step, robot, len(rows), poses.reshape(-1, 3), record.robots, start,
-            command.reshape(-1, 2), record.shapes, record.walls, len(record.walls.radius), LOOK,
+            twist, record.shapes, record.walls, len(record.walls.radius), LOOK,
         )  # fmt: skip
         found.append(room.filled(scan, 1))
     who, values = (np.concatenate(some) for some in zip(*found, strict=True))

@@ -19,10 +19,10 @@ import numpy as np
 
 from physim import tolerances
 from physim.analysis.validation.analytic_contacts import pair_distance
-from physim.analysis.validation.decisions import DecisionTable
+from physim.analysis.validation.decisions import STILL, DecisionTable
 from physim.contacts import Kind, Phase
 from physim.geometry.collision import collision_time_pair
-from physim.geometry.motion import arc
+from physim.geometry.motion import Twist, arc
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 
@@ -83,8 +83,8 @@ def pair_time(
     a: int,
     b: int,
     pose: FloatArray,
-    twist_a: tuple[float, float],
-    twist_b: tuple[float, float],
+    twist_a: Twist,
+    twist_b: Twist,
 ) -> float:
     """Collision time (11) [s] of bodies a < b at ``pose`` (N, 3) under constant commands."""
     shapes, mine, theirs = record.shapes, np.array(twist_a), np.array(twist_b)
@@ -107,15 +107,15 @@ class Predictor:
         Looked for up to ``until`` [s], at least; inf where there is none. Each query begins on the
         arcs where the one before ended, so that none needs more advances than it may take.
         """
-        other = self.table.held(b, step) if b < self.record.robots else (0.0, 0.0)
+        other = self.table.held(b, step) if b < self.record.robots else STILL
         held = {a: self.table.held(a, step), b: other}
         start = self.record.pose_at(step)
         for k in range(max(1, math.ceil(until / HORIZON))):
             later = k * HORIZON
             pose = start.copy()
             for i in (i for i in held if k and i < self.record.robots):
-                (x, y, heading), (v, omega) = start[i], held[i]
-                pose[i] = arc(x, y, heading, v, omega, later)
+                (x, y, heading), (v, omega, lateral) = start[i], held[i]
+                pose[i] = arc(x, y, heading, v, omega, lateral, later)
             found = pair_time(self.record, a, b, pose, held[a], held[b])
             if math.isfinite(found):
                 return later + found
@@ -154,10 +154,9 @@ class Predictor:
         return Prediction(a, b, step, found, touched, made * dt, predicted, slack, verdict)
 
     def _as_commanded(self, robot: int, start: int, end: int) -> bool:
-        v, omega = self.table.held(robot, start)
         before, now = (self.record.pose_at(step)[robot] for step in (start, end))
-        x, y, heading = before
-        goal = arc(x, y, heading, v, omega, (end - start) * self.record.dt)
+        (x, y, heading), (v, omega, lateral) = before, self.table.held(robot, start)
+        goal = arc(x, y, heading, v, omega, lateral, (end - start) * self.record.dt)
         return bool(np.abs(np.array(goal) - now).max() <= AS_COMMANDED)
 
     def _is_near(self, a: int, b: int, step: int, predicted: float, gap: float) -> bool:

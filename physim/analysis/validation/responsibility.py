@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from physim.analysis.metrics.contacts import Touch, point_velocity
-from physim.analysis.validation.decisions import DecisionTable
+from physim.analysis.validation.decisions import STILL, DecisionTable
 from physim.contacts import touching
 from physim.geometry.motion import arcs
 from physim.parts.declarations import NO_NUMBER, Mode, Rule
@@ -71,8 +71,8 @@ def stands(table: DecisionTable, robot: int, step: int) -> bool:
     """
     if table.last(robot, step - 1) is None:
         return False
-    v, omega = table.held(robot, step - 1)
-    return abs(v) + float(table.radius[robot]) * abs(omega) < PUSH
+    v, omega, lateral = table.held(robot, step - 1)
+    return math.hypot(v, lateral) + float(table.radius[robot]) * abs(omega) < PUSH
 
 
 def _pusher(
@@ -222,7 +222,7 @@ def _side(
     step, (px, py) = touch.step, touch.place
     x, y, heading = record.pose_at(step)[i].tolist()
     vx, vy = point_velocity(record, i, step, (x, y), table.held)
-    v, omega = table.held(i, step - 1) if step else (0.0, 0.0)
+    v, omega, _ = table.held(i, step - 1) if step else STILL
     bearing = math.atan2(py - y, px - x) - heading
     decided, mode, rule, considered = None, None, None, 0
     reported = dict.fromkeys(("collision_time", "distance", "boundary_distance"), math.nan)

@@ -139,7 +139,9 @@ def _check_room(record: Record) -> None:
 
 
 def _range(record: Record) -> float | None:
-    """Sensing range [m]; None where the world inside is faulty."""
+    """Sensing range [m]; None where the world inside is faulty, and of a log."""
+    if record.judged is not None:
+        return None
     try:
         return float(record.world.sensing_range)
     except PhysimError:

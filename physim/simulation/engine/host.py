@@ -119,6 +119,7 @@ class Physics:
         self._inertia = np.array(inertia, dtype=np.float64).reshape(-1, 3)
         self._drive_per_speed = self._inertia / dt
         self._placed = np.zeros((self._bodies, 3))
+        self._twist = np.zeros((self._robots, 3))
         self._no_pairs = Pairs(np.zeros(0, dtype=np.int64), np.zeros(0), 0)
         self._no_contacts = np.zeros(0, CONTACT_ROW)
         self._no_false = np.zeros(0, FALSE_CONTACT_ROW)
@@ -137,9 +138,13 @@ class Physics:
         return touching[: self._robots]
 
     def step(self, command: FloatArray) -> None:
-        """Advance one step under commands (N, 2): v [m/s], omega [rad/s], each along its arc."""
-        before, start = self._pairs, self._arrays.pose.copy()
-        chord_velocities(self._arrays.pose, command, self._robots, self.dt, self._arrays.velocity)
+        """Advance one step under commands (N, 2 or 3), each along its arc.
+
+        v [m/s], omega [rad/s] and, where some robot is omnidirectional, the lateral speed [m/s].
+        """
+        before, start, arrays = self._pairs, self._arrays.pose.copy(), self._arrays
+        self._twist[:, : command.shape[1]] = command
+        chord_velocities(arrays.pose, self._twist, self._robots, self.dt, arrays.velocity)
         self.step_number += 1
         pushes, to_solve = self._no_pairs, self._to_solve(before.key)
         if to_solve:

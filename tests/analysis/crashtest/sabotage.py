@@ -14,7 +14,7 @@ Packed, Prediction, predict = inside("physim.analysis.crashtest", "Packed", "Pre
 
 def without_rotation(batch: Packed) -> Prediction:
     """Collision times as if nobody turned; distances are right."""
-    straight = batch._replace(command=batch.command * (1.0, 0.0))
+    straight = batch._replace(twist=batch.twist * (1.0, 0.0, 1.0))
     return predict(batch)._replace(time=predict(straight).time)
 
 

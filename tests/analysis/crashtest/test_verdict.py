@@ -97,17 +97,17 @@ SHORT = 1e-5
 def test_the_speed_of_a_point_is_that_of_its_arc(case: int) -> None:
     rng = np.random.default_rng([90, case])
     pose = np.array([*rng.uniform(-5.0, 5.0, 2), rng.uniform(-3.0, 3.0)])
-    command = np.array([rng.uniform(-2.0, 2.0), rng.uniform(-1.5, 1.5)])
+    twist = rng.uniform(-2.0, 2.0, 3)
     arm = rng.uniform(-1.0, 1.0, 2)
     angle = rng.uniform(-3.0, 3.0)
     normal = np.array([np.cos(angle), np.sin(angle)])
 
     def place(t: float) -> np.ndarray:
-        x, y, heading = arc(*pose, *command, t)
+        x, y, heading = arc(*pose, *twist, t)
         c, s = np.cos(heading), np.sin(heading)
         return np.array([x + c * arm[0] - s * arm[1], y + s * arm[0] + c * arm[1]])
 
     velocity = (place(SHORT) - place(-SHORT)) / (2.0 * SHORT)
     witness = Witness(0.0, *normal, 0.0, 0.0, 0.0, 0.0)
-    found = closing_speed(pose, command, *place(0.0), witness)
+    found = closing_speed(pose, twist, *place(0.0), witness)
     assert found == pytest.approx(float(velocity @ normal), abs=1e-8)

@@ -80,7 +80,7 @@ def test_guard_switched_off():
 
 def test_collision_time_that_ignores_rotation(monkeypatch, rear_end):
     def straight(a, i, pose_i, twist_i, b, j, pose_j, twist_j, horizon):
-        one, other = (np.array((twist[0], 0.0)) for twist in (twist_i, twist_j))
+        one, other = (np.array((twist[0], 0.0, 0.0)) for twist in (twist_i, twist_j))
         return collision_time_pair(a, i, pose_i, one, b, j, pose_j, other, horizon)
 
     monkeypatch.setattr(prediction, "collision_time_pair", straight)

@@ -20,7 +20,7 @@ def test_equal_to_the_plain_update_and_to_the_arc(dt):
     steps = round(100 / dt)
     for k in range(steps):
         if k % 10 == 0:
-            command = np.column_stack((rng.uniform(-1, 1, 6), rng.uniform(-1, 1, 6)))
+            command = rng.uniform(-1, 1, (6, 3))
         chord_velocities(plain, command, 6, dt, velocity)
         plain += velocity * dt
         physics.step(command)

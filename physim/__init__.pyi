@@ -9,7 +9,7 @@ from .drawing import plots, video
 from .drawing.page import page
 from .drawing.video import render
 from .errors import ControllerError, Fault, PhysimError, RecordError, WorldError
-from .judging import Reading, judge
+from .judging import judge
 from .parts.controller import (
     Controller,
     Decision,
@@ -69,7 +69,6 @@ __all__ = [
     "Observer",
     "Phase",
     "PhysimError",
-    "Reading",
     "Record",
     "RecordError",
     "Rule",

@@ -2,29 +2,19 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from physim.cli.options import WORLD_HELP, File, Output, Positive, Whole, kind, one_of
-from physim.cli.output import SUMMARY, inputs, run_folder
+from physim.cli.options import WORLD_HELP, File, Output, Positive, Whole
+from physim.cli.output import FILES, SUMMARY, Target, inputs, run_folder
+from physim.cli.pictures import files_written
 from physim.cli.simulating import tell
 from physim.errors import WorldError
 from physim.files import write_text
 
 TOUCHED = 1
-
-
-def called(text: str) -> tuple[str, str]:
-    """Read KEY=NAME, a column of a log and what it is called there."""
-    from physim.judging.log import COLUMNS
-
-    key, sign, name = text.partition("=")
-    if not sign or not name or key not in COLUMNS:
-        raise ValueError(f"KEY=NAME with KEY {one_of(key, COLUMNS)}")
-    return key, name
 
 
 def judge(
@@ -34,9 +24,7 @@ def judge(
     force: bool = False,
     seed: Whole | None = None,
     set_: Annotated[tuple[str, ...], Parameter("--set")] = (),
-    columns: tuple[Annotated[tuple[str, str], kind(called)], ...] = (),
     degrees: bool = False,
-    radians: bool = False,
     every: Positive | None = None,
     gaps: Positive | None = None,
     jumps: bool = False,
@@ -56,9 +44,7 @@ def judge(
       --force  overwrite an earlier run in DIR
       --seed N  seed of the world, where it draws a road
       --set KEY=VALUE  change one key of the world (may be repeated)
-      --columns KEY=NAME  the log calls column KEY by this NAME, e.g. heading=yaw (may be repeated)
       --degrees  headings are degrees
-      --radians  headings are radians, even beyond a whole turn
       --every S  step of the record [s], where the samples have none in common; poses between two
           samples lie along the twist that joins them
       --gaps S  bridge gaps of up to S seconds along the twist (default: five usual spacings)
@@ -75,36 +61,32 @@ def judge(
 
     examples:
       physim judge log.csv --world my_world.yaml
-      physim judge log.csv --world ten_robots --columns heading=yaw --degrees -o judged
+      physim judge log.csv --world ten_robots --degrees -o judged
       physim judge log.csv --world my_world.yaml --every 0.02
     """
     from physim.analysis.summary import summarise, table
-    from physim.errors import PhysimError
-    from physim.judging import Reading
     from physim.judging import judge as judged
     from physim.world.file import read_world
 
-    if degrees and radians:
-        raise PhysimError("--degrees and --radians: headings are one of them")
     found, document = read_world(world, overrides=set_)
     tell(document.lines(document.warnings))
-    headings = "degrees" if degrees else "radians" if radians else None
     folder = output or Path("runs") / log.stem
-    with run_folder(folder, force, log, *inputs(world)):
-        try:
-            record = judged(
-                log, found, seed=seed, columns=dict(columns), path=folder / "record.h5",
-                reading=Reading(every, gaps, jumps, headings),
-            )  # fmt: skip
-        except WorldError as error:
-            raise document.error(error.faults) from None
-        with record:
-            summary = summarise(record)
+    read = (log, *inputs(world))
+    Target(folder, force, read).folder([folder / name for name in FILES], "an earlier run")
+    try:
+        record = judged(
+            log, found, seed=seed, every=every, gaps=gaps, jumps=jumps, degrees=degrees
+        )  # fmt: skip
+    except WorldError as error:
+        raise document.error(error.faults) from None
+    summary = summarise(record)
+    with run_folder(folder, force, *read):
+        record.save(folder / "record.h5")
         write_text(folder / SUMMARY, summary.to_json())
     if quiet:
         tell(summary.warnings)
     else:
         print(table(summary, brief=True), end="")
-        print(f"written to {folder}: record.h5, {SUMMARY}", file=sys.stdout)
+        print(files_written(folder))
     touched = summary.run.episodes or summary.run.grazes
     return TOUCHED if touched or not summary.held else 0

@@ -3,6 +3,5 @@
 from __future__ import annotations
 
 from physim.judging.judge import judge
-from physim.judging.steps import Reading
 
-__all__ = ["Reading", "judge"]
+__all__ = ["judge"]

@@ -8,9 +8,8 @@ steps is as exact as that.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +21,7 @@ from physim.geometry.clearance import ClearanceFinder
 from physim.geometry.path import Tracking
 from physim.geometry.shapes import FloatArray, IntArray, joined_shapes
 from physim.judging.log import read_log
-from physim.judging.steps import Reading, motion_of
+from physim.judging.steps import motion_of
 from physim.record import Record, RecordWriter
 from physim.record.layout import Judged
 from physim.simulation.arrival import Arrivals, later_since
@@ -34,50 +33,43 @@ from physim.world.ground.solids import solids_of
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
 
-AS_LOGGED = Reading()
-CALLED_SO: Mapping[str, str] = {}
-
 
 def judge(
-    log: str | os.PathLike[str] | Mapping[str, Any],
+    log: str | os.PathLike[str],
     world: World,
     *,
     seed: int | None = None,
-    columns: Mapping[str, str] = CALLED_SO,
-    reading: Reading = AS_LOGGED,
-    path: str | os.PathLike[str] | None = None,
-    overwrite: bool = False,
+    every: float | None = None,
+    gaps: float | None = None,
+    jumps: bool = False,
+    degrees: bool = False,
 ) -> Record:
     """Judge poses of the robots of a world that no run of physim made, as a record.
 
-    ``log`` is a CSV file or a data frame with a row for each sample of a robot: ``time`` [s],
-    ``robot`` (its name in the world, or its number from 0), ``x``, ``y`` [m], ``heading`` [rad];
-    ``columns`` says what it calls one of them otherwise, ``reading`` how to take what is not plain.
-    ``seed`` is that of the world, where it draws something.
+    ``log`` is a CSV file with a row for each sample of a robot and the columns ``time`` [s],
+    ``robot`` (its name in the world, or its number from 0), ``x``, ``y`` [m], ``heading`` [rad, or
+    with ``degrees`` such]. ``seed`` is that of the world, where it draws something. The step of the
+    record is the log's own, or ``every`` [s]; gaps of up to ``gaps`` [s] are bridged, by default
+    five usual spacings; with ``jumps`` robots may go farther than their limits allow.
 
     The record holds poses, contacts, distances and arrivals; commands, decisions, modes and
-    impulses are not known, which its ``judged`` says. It goes to the file ``path``, which must not
-    exist unless ``overwrite`` is set, or stays in memory. Raises PhysimError, one line with file,
-    line and column, for a log that cannot be judged, WorldError for a faulty world, and RecordError
-    where the record cannot be written.
+    impulses are not known, which its ``judged`` says. It is in memory, `Record.save` writes it.
+    Raises PhysimError, one line with file, line and column, for a log that cannot be judged, and
+    WorldError for a faulty world.
     """
     scene = build_scene(world, seed)
-    found = read_log(log, scene.names, columns)
-    motion = motion_of(found, scene.limits, reading)
+    found = read_log(Path(log), scene.names)
+    motion = motion_of(found, scene.limits, every, gaps, jumps, degrees)
     scene = replace(scene, dt=motion.dt, steps=len(motion.pose) - 1, start=motion.pose[0])
-    check_room(scene, 1, path)
+    check_room(scene, 1, None)
     writer = RecordWriter(
-        path, scene, scene.world.to_yaml(), accessible=scene.area.accessible_rings, record_every=1,
-        tables=("contacts",), overwrite=overwrite,
-        judged=Judged(found.name, found.sha256, motion.begun, motion.notes),
+        None, scene, scene.world.to_yaml(), accessible=scene.area.accessible_rings, record_every=1,
+        tables=("contacts",),
+        judged=Judged(found.path.name, found.sha256, motion.begun, motion.notes),
     )  # fmt: skip
-    ended = "error"
-    try:
-        writer.append("contacts", contacts_of_poses(scene, motion.pose))
-        _write_samples(writer, scene, motion.pose)
-        ended = "duration"
-    finally:
-        writer.close(ended, steps_run=scene.steps, rejected=0, wall_clock={})
+    writer.append("contacts", contacts_of_poses(scene, motion.pose))
+    _write_samples(writer, scene, motion.pose)
+    writer.close("duration", steps_run=scene.steps, rejected=0, wall_clock={})
     return writer.record()
 
 

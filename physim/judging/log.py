@@ -1,4 +1,4 @@
-"""Read a log of poses: a CSV file or a data frame, a row for each sample of a robot.
+"""Read a log of poses: a CSV file with a row for each sample of a robot.
 
 Every fault is one line: file, line and column, what was given, and how to mend it. A log is read as
 numbers and names; nothing in it is run.
@@ -9,9 +9,8 @@ from __future__ import annotations
 import csv
 import hashlib
 import math
-import os
 from array import array
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
@@ -20,20 +19,17 @@ import numpy as np
 
 from physim.errors import PhysimError, Position, nearest
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.record.layout import FAR
-from physim.units import joined
 
-COLUMNS = ("time", "robot", "x", "y", "heading")
-"""What a log must have: s, name or number of the robot, m, m, rad; in any order"""
+COLUMNS = ("time", "x", "y", "heading", "robot")
+"""What the first line must name, in any order; the last is a robot's name or number"""
 MOST_BYTES = 1 << 29
 """of a file: some ten million samples"""
 LONGEST_LINE = 1 << 16
 """Characters; a file with longer ones is no log"""
-FARTHEST = 0.01 * FAR
-"""[m] from the origin, as a world's own coordinates may be"""
-SHOWN_NAMES = 12
-SHOWN = 40
-"""Characters of a cell that an error repeats"""
+FARTHEST = 1e6
+"""[m] from the origin, as of a world"""
+SHOWN = 12
+"""Names that an error lists"""
 
 
 @dataclass(frozen=True)
@@ -44,61 +40,36 @@ class Track:
     time: FloatArray
     """(M,) [s] as logged, increasing"""
     pose: FloatArray
-    """(M, 3) [m, m, rad] headings as logged"""
-    row: IntArray
-    """(M,) line of the file, or row of the data frame, of each sample"""
+    """(M, 3) [m, m, rad or degrees] as logged"""
+    line: IntArray
+    """(M,) line of the file"""
 
 
 @dataclass(frozen=True)
 class Log:
     """What was logged of the robots of a world."""
 
-    name: str
+    path: Path
     sha256: str
-    """of the file, or of the values of a data frame"""
-    tracks: tuple[Track, ...]
+    columns: tuple[str, ...]
+    """as the first line names them"""
+    tracks: tuple[Track, ...] = ()
     """of each robot of the world, in its order"""
-    unread: tuple[str, ...]
-    """columns that are not read"""
-    place: Callable[[int, str], str]
-    """where a value stands, by its row and column"""
 
-    def refuse(self, row: int, column: str, fault: str) -> NoReturn:
+    def refuse(self, line: int, column: str, fault: str) -> NoReturn:
         """Raise PhysimError for a value: where it stands, and what is wrong."""
-        raise PhysimError(f"{self.place(row, column)}: {fault}")
+        with self.path.open(encoding="utf-8-sig", newline="") as file:
+            text = next((one for number, one in enumerate(file, 1) if number == line), "")
+        before = next(csv.reader([text]), [])[: self.columns.index(column)]
+        place = Position(self.path, line, 1 + sum(len(cell) + 1 for cell in before))
+        raise PhysimError(f"{place}: {fault}")
 
 
-def read_log(
-    log: str | os.PathLike[str] | Mapping[str, Any],
-    names: Sequence[str],
-    columns: Mapping[str, str],
-) -> Log:
-    """Read the samples of the robots of these ``names`` from a CSV file or a data frame.
+def read_log(path: Path, names: Sequence[str]) -> Log:
+    """Read the samples of the robots of these ``names``.
 
-    ``columns`` says what the log calls a column of `COLUMNS`, where it has another name. Raises
-    PhysimError, one line, for the first fault.
+    Raises PhysimError, one line, for the first fault.
     """
-    for key in columns:
-        if key not in COLUMNS:
-            raise PhysimError(
-                f"columns: {key!r} is none of {', '.join(COLUMNS)}{nearest(key, [*COLUMNS])}"
-            )
-    if isinstance(log, str | os.PathLike):
-        return _read_file(Path(log), names, columns)
-    if not hasattr(log, "keys"):
-        raise TypeError(f"a log is a CSV file or a data frame, not {type(log).__name__}")
-    head = [str(key) for key in log]
-    cells = [np.asarray(log[key]).tolist() for key in log]
-    rows = enumerate(zip(*cells, strict=True))
-
-    def place(row: int, column: str) -> str:
-        return f"the log, row {row}, column {columns.get(column, column)}"
-
-    digest = hashlib.sha256(repr((head, cells)).encode()).hexdigest()
-    return _logged("data frame", digest, head, rows, "the log", place, names, columns)
-
-
-def _read_file(path: Path, names: Sequence[str], columns: Mapping[str, str]) -> Log:
     if not path.is_file():  # a pipe would hang
         what = "is no file" if path.exists() else "no such file"
         raise PhysimError(f"{path}: {what}; give a CSV file with columns {', '.join(COLUMNS)}")
@@ -107,29 +78,19 @@ def _read_file(path: Path, names: Sequence[str], columns: Mapping[str, str]) -> 
             f"{path}: {size / 1e6:.0f} MB; at most {MOST_BYTES / 1e6:.0f} MB are read; cut the log "
             "into parts, or keep fewer samples"
         )
-    head: list[str] = []
-
-    def place(row: int, column: str) -> str:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            line = next((one for k, one in enumerate(file, 1) if k == row), "")
-        k = head.index(columns.get(column, column))
-        before = next(csv.reader([line]), [])[:k]
-        return str(Position(path, row, 1 + sum(len(cell) + 1 for cell in before)))
-
     number = 1
     try:
         with path.open("rb") as raw:
             digest = hashlib.file_digest(raw, "sha256").hexdigest()
         with path.open(encoding="utf-8-sig", newline="") as file:
             reader = csv.reader(_lines(file), strict=True)
-            head += [cell.strip() for cell in next(reader, [])]
+            head = tuple(cell.strip() for cell in next(reader, []))
             rows = ((number := reader.line_num, row) for row in reader if row)
-            where = f"{path}:1:1"
-            return _logged(path.name, digest, head, rows, where, place, names, columns)
+            return _tracked(Log(path, digest, head), rows, names)
     except (csv.Error, UnicodeDecodeError) as error:
         raise PhysimError(
-            f"{path}:{number}: not a CSV file in UTF-8 from here on ({error}); a log is lines of "
-            "values between commas"
+            f"{Position(path, number, 1)}: from here on no CSV in UTF-8 ({error}); write lines of values "
+            "between commas"
         ) from None
     except OSError as error:
         raise PhysimError(f"{path}: cannot be read: {error.strerror}") from None
@@ -142,109 +103,70 @@ def _lines(file: Any) -> Iterator[str]:
         yield line
 
 
-def _logged(
-    name: str,
-    digest: str,
-    head: Sequence[str],
-    rows: Iterator[tuple[int, Sequence[Any]]],
-    where: str,
-    place: Callable[[int, str], str],
-    names: Sequence[str],
-    columns: Mapping[str, str],
-) -> Log:
-    """Put rows of cells, each with its number, to the robots they are of."""
-    at = _places(head, where, columns)
-    time, robot, *pose = (at[column] for column in COLUMNS)
+def _tracked(log: Log, rows: Iterator[tuple[int, list[str]]], names: Sequence[str]) -> Log:
+    """The log with its rows, each with its line, put to the robots that they are of."""
+    *numeric, at = (_place(log, column) for column in COLUMNS)
     known = {str(k): k for k in range(len(names))} | {one: k for k, one in enumerate(names)}
-    row_of, robot_of, numbers = array("q"), array("q"), array("d")
-    for number, row in rows:
-        if len(row) != len(head):
+    lines, who, numbers = array("q"), array("q"), array("d")
+    for line, row in rows:
+        if len(row) != len(log.columns):
             raise PhysimError(
-                f"{where.rpartition(':')[0].rpartition(':')[0]}:{number}:1: {len(row)} values; the "
-                f"first line names {len(head)} columns"
+                f"{Position(log.path, line, 1)}: {len(row)} values for the {len(log.columns)} "
+                "columns that the first line names"
             )
-        try:
-            numbers.extend((float(row[time]), *(float(row[k]) for k in pose)))
-            robot_of.append(known[str(row[robot]).strip()])
-        except (ValueError, TypeError):
-            _refuse_number(number, row, at, place)
-        except KeyError:
-            given = str(row[robot]).strip()[:SHOWN]
-            listed = ", ".join(names[:SHOWN_NAMES]) + (", …" if len(names) > SHOWN_NAMES else "")
+        for column, k in zip(COLUMNS, numeric, strict=False):
+            try:
+                numbers.append(float(row[k]))
+            except ValueError:
+                log.refuse(line, column, f"{column} is {row[k][:40]!r}; it must be a number")
+        if (robot := known.get(row[at].strip())) is None:
+            listed = ", ".join(names[:SHOWN]) + (", …" if len(names) > SHOWN else "")
+            log.refuse(
+                line, "robot",
+                f"the world has no robot {row[at][:40]!r}; it has {listed}, or by number 0 to "
+                f"{len(names) - 1}{nearest(row[at][:40], [*names])}",
+            )  # fmt: skip
+        lines.append(line)
+        who.append(robot)
+    values, line_of = np.array(numbers).reshape(-1, 4), np.array(lines, dtype=np.int64)
+    most = np.array((math.inf, FARTHEST, FARTHEST, math.inf))
+    for row_, k in np.argwhere(~(np.isfinite(values) & (np.abs(values) <= most)))[:1].tolist():
+        log.refuse(
+            int(line_of[row_]), COLUMNS[k],
+            f"{COLUMNS[k]} is {values[row_, k]:g}; it must be a finite number, x and y at most "
+            f"{FARTHEST:g} m from 0; leave out samples in which a robot was not seen",
+        )  # fmt: skip
+    robots, tracks = np.array(who, dtype=np.int64), []
+    order = np.argsort(robots, kind="stable")
+    ends = np.searchsorted(robots[order], np.arange(len(names) + 1))
+    for k, name in enumerate(names):
+        mine = order[ends[k] : ends[k + 1]]
+        if len(mine) < 2:
             raise PhysimError(
-                f"{place(number, 'robot')}: the world has no robot {given!r}; its robots are "
-                f"{listed}, or 0 to {len(names) - 1} in that order{nearest(given, [*names])}"
-            ) from None
-        row_of.append(number)
-    values = np.array(numbers).reshape(-1, 4)
-    lines, who = np.array(row_of, dtype=np.int64), np.array(robot_of, dtype=np.int64)
-    order = np.argsort(who, kind="stable")
-    values, lines, who = values[order], lines[order], who[order]
-    for k, column in enumerate(one for one in COLUMNS if one != "robot"):
-        most = FARTHEST if column in "xy" else math.inf
-        if len(wrong := np.flatnonzero(~(np.abs(values[:, k]) <= most) | np.isinf(values[:, k]))):
-            first = int(wrong[np.argmin(lines[wrong])])
-            raise PhysimError(
-                f"{place(int(lines[first]), column)}: {column} is {values[first, k]:g}; it must be "
-                f"a finite number{f', at most {most:g} m from 0' if most < math.inf else ''}; leave "
-                "out samples in which a robot was not seen"
+                f"{Position(log.path, 1, 1)}: robot {name} of the world has {len(mine) or 'no'} "
+                f"sample{'s' * (len(mine) != 1)}, and needs two at least; log it, or take it out "
+                "of the world"
             )
-    ends = np.searchsorted(who, np.arange(len(names) + 1))
-    tracks = []
-    for k, one in enumerate(names):
-        mine = slice(ends[k], ends[k + 1])
-        if (count := len(lines[mine])) < 2:
-            raise PhysimError(
-                f"{where}: robot {one} of the world has {count or 'no'} "
-                f"sample{'s' * (count != 1)}; each needs at least two; log it, or take it out of "
-                "the world"
-            )
-        track = Track(one, values[mine, 0], values[mine, 1:], lines[mine])
-        if (late := np.flatnonzero(np.diff(track.time) <= 0.0)).size:
-            before, after = (float(track.time[late[0] + j]) for j in (0, 1))
+        track = Track(name, values[mine, 0], values[mine, 1:], line_of[mine])
+        for late in np.flatnonzero(np.diff(track.time) <= 0.0)[:1].tolist():
+            before, after = track.time[late : late + 2].tolist()
             fault = f"{after:.12g} s comes after {before:.12g} s; sort the rows by time"
-            if before == after:
-                fault = f"a second sample at {after:.12g} s; keep one"
-            raise PhysimError(f"{place(int(track.row[late[0] + 1]), 'time')}: {one}: {fault}")
+            fault = f"a second sample at {after:.12g} s; keep one" if before == after else fault
+            log.refuse(int(track.line[late + 1]), "time", f"{name}: {fault}")
         tracks.append(track)
-    unread = tuple(one for k, one in enumerate(head) if k not in at.values())
-    return Log(name, digest, tuple(tracks), unread, place)
+    return Log(log.path, log.sha256, log.columns, tuple(tracks))
 
 
-def _places(head: Sequence[str], where: str, columns: Mapping[str, str]) -> dict[str, int]:
-    """Which of the columns that the first line names are those of `COLUMNS`."""
-    found = {}
-    for column in COLUMNS:
-        called = columns.get(column, column)
-        if head.count(called) == 1:
-            found[column] = head.index(called)
-            continue
-        short = [one[:SHOWN] for one in head[:SHOWN_NAMES]]
-        fault = (
-            f"the first line must name a column {called!r}; it names {joined(short or ['none'])}"
-        )
-        if called in head:
-            fault = f"column {called!r} is there {head.count(called)} times"
-        elif len(head) == 1 and (";" in head[0] or "\t" in head[0]):
-            fault += "; separate the columns by commas"
-        else:
-            fault += (
-                f"{nearest(called, short)}; if it has another name, give --columns {column}=NAME"
-            )
-        raise PhysimError(f"{where}: {fault}")
-    return found
-
-
-def _refuse_number(
-    number: int, row: Sequence[Any], at: Mapping[str, int], place: Callable[[int, str], str]
-) -> NoReturn:
-    """Raise PhysimError for the first cell of a row that should be a number and is none."""
-    for column in (one for one in COLUMNS if one != "robot"):
-        try:
-            float(row[at[column]])
-        except (ValueError, TypeError):
-            given = repr(str(row[at[column]])[:SHOWN])
-            raise PhysimError(
-                f"{place(number, column)}: {column} is {given}; it must be a number"
-            ) from None
-    raise AssertionError(number)
+def _place(log: Log, column: str) -> int:
+    """Where a column stands. Raises PhysimError unless the first line names it once."""
+    if log.columns.count(column) == 1:
+        return log.columns.index(column)
+    named = [one[:40] for one in log.columns[:SHOWN]]
+    fault = f"the first line must name a column {column}; it names {', '.join(named) or 'none'}"
+    if column in log.columns:
+        fault = f"the first line names {column} twice; rename one"
+    elif len(named) == 1:
+        fault += "; separate the columns by commas"
+    else:
+        fault += f"{nearest(column, named)}; name it so there"
+    raise PhysimError(f"{Position(log.path, 1, 1)}: {fault}")

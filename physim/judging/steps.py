@@ -1,4 +1,4 @@
-"""Put a log on steps: its own, or those asked for; what cannot be known between samples is told.
+"""Put a log on steps: its own, or those asked for; what was done to it is told.
 
 Between two samples a robot keeps its twist in its own frame: it goes along an arc about a fixed
 point, or straight, and turns evenly, by less than half a turn.
@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from physim.errors import PhysimError, plural
+from physim.errors import plural
 from physim.geometry.path import SHORTEST_WINDOW
-from physim.geometry.shapes import FloatArray, IntArray
-from physim.judging.log import Log, Track
+from physim.geometry.shapes import FloatArray
+from physim.judging.log import COLUMNS, Log, Track
 from physim.world.rules import MOST_STEPS
 
 ON_STEP = 0.01
@@ -28,21 +28,9 @@ PLACE_NOISE, HEADING_NOISE = 0.1, 0.3
 """[m, rad] by which two samples may be apart beyond that, by errors of measurement"""
 LEAST_STEP, LONGEST_STEP = 1e-6, 10.0
 """[s]"""
-
-
-@dataclass(frozen=True)
-class Reading:
-    """How a log is to be read, where that is not plain.
-
-    ``every`` [s]: the step of the record; the log's own where it is None. ``gaps`` [s]: gaps up to
-    so long are bridged. ``jumps``: robots may go faster than their limits allow. ``headings``:
-    "radians" or "degrees".
-    """
-
-    every: float | None = None
-    gaps: float | None = None
-    jumps: bool = False
-    headings: str | None = None
+USUALLY = 0.95
+"""of its samples at which a robot is followed along its path from step to step"""
+EVERY = "give --every SECONDS for a step of the record"
 
 
 @dataclass(frozen=True)
@@ -59,194 +47,161 @@ class Motion:
     """what was done to the log, a sentence each"""
 
 
-def motion_of(log: Log, limits: FloatArray, how: Reading) -> Motion:
+def motion_of(
+    log: Log,
+    limits: FloatArray,
+    every: float | None = None,
+    gaps: float | None = None,
+    jumps: bool = False,
+    degrees: bool = False,
+) -> Motion:
     """Poses of a log at the steps of a record; ``limits`` (N, 2) [m/s, rad/s] of its robots.
 
-    Raises PhysimError, one line, for a gap, a jump, headings that look like degrees, and times on
-    no common step, unless ``how`` says what is meant.
+    The step is ``every`` [s], or the log's own; ``gaps`` [s], those up to so long are bridged;
+    ``jumps``, robots may go faster than their limits allow; ``degrees``, headings are such. Raises
+    PhysimError, one line, for what none of these allows.
     """
-    notes = []
-    tracks = []
+    first, last = (pick(one.time[k] for one in log.tracks) for pick, k in ((min, 0), (max, -1)))
+    tracks, told = [], []
     for track, limit in zip(log.tracks, limits, strict=True):
-        one = Track(track.name, track.time, _unwrapped(log, track, how), track.row)
-        notes += [*_gaps(log, one, how), *_jumps(log, one, limit, how)]
+        one = replace(track, pose=_unwrapped(log, track, degrees))
+        told += [*_gaps(log, one, first, last, gaps), *_jumps(log, one, limit, jumps)]
         tracks.append(one)
-    begun, end = max(one.time[0] for one in tracks), min(one.time[-1] for one in tracks)
-    notes += _ends(log, tracks, float(begun), float(end), how)
-    dt = how.every if how.every is not None else _own_step(log, tracks)
+    begun, end = (
+        float(pick(one.time[k] for one in tracks)) for pick, k in ((max, 0), (min, -1))
+    )  # fmt: skip
+    dt = _own_step(log, tracks) if every is None else every
     count = math.floor((end - begun) / dt + ON_STEP)
     if not 1 <= count <= MOST_STEPS:
-        raise PhysimError(
-            f"{log.place(int(tracks[0].row[0]), 'time')}: the {end - begun:g} s that all robots "
-            f"share make {count} steps of {dt:g} s; a record has 1 to {MOST_STEPS:,}; give another "
-            "--every"
-        )
-    poses = np.empty((count + 1, len(tracks), 3))
-    source = "the log's own" if how.every is None else "as asked for"
-    notes.insert(0, f"a step every {dt:g} s, {source}")
+        log.refuse(
+            int(tracks[0].line[0]), "time",
+            f"all robots are seen from {begun:.12g} to {end:.12g} s, which makes {max(count, 0)} "
+            f"steps of {dt:g} s; a record has 1 to {MOST_STEPS:,}; give another --every",
+        )  # fmt: skip
+    source = "the log's own" if every is None else "as asked for"
+    notes = [f"a step every {dt:g} s, {source}"]
     if begun != 0.0:
-        notes.insert(1, f"0 s is {begun:.12g} s of the log")
+        notes.append(f"0 s is {begun:.12g} s of the log")
+    if begun > first or end < last:
+        notes.append(f"left out the {begun - first:g} s before and {last - end:g} s after, when "
+                     "not all robots were seen")  # fmt: skip
+    poses, between = np.empty((count + 1, len(tracks), 3)), np.zeros(len(tracks), dtype=np.int64)
     for k, one in enumerate(tracks):
-        poses[:, k], between = _at_steps(one, begun + dt * np.arange(count + 1.0), dt)
-        if between:
-            notes.append(f"{one.name}: {between} of {count + 1} poses lie between two samples, "
-                         "along the twist that joins them")  # fmt: skip
-    if log.unread:
-        notes.append(f"columns not read: {', '.join(log.unread)}")
-    return Motion(dt, float(begun), poses, tuple(notes))
+        poses[:, k], between[k] = _at_steps(one, begun, dt, count)
+    if between.any():
+        most, share = tracks[int(np.argmax(between))].name, between / (count + 1)
+        told.append(f"{share.mean():.3g} of the poses lie between two samples, along the twist "
+                    f"that joins them; most of {most}, {share.max():.3g}")  # fmt: skip
+    if unread := [one for one in log.columns if one not in COLUMNS]:
+        told.append(f"columns not read: {', '.join(unread)}")
+    return Motion(dt, begun, poses, (*notes, *told))
 
 
-def _unwrapped(log: Log, track: Track, how: Reading) -> FloatArray:
+def _unwrapped(log: Log, track: Track, degrees: bool) -> FloatArray:
     """Poses (M, 3) with headings in radians, unwrapped. PhysimError where they may be degrees."""
     pose = track.pose.copy()
-    if how.headings == "degrees":
+    turned = np.abs(np.diff(pose[:, 2], prepend=0.0)) > 2.0 * math.pi + 1e-6
+    if degrees:
         pose[:, 2] = np.radians(pose[:, 2])
-    elif how.headings is None:
-        turn = 2.0 * math.pi + 1e-6
-        far = np.abs(np.diff(pose[:, 2], prepend=0.0)) > turn
-        if far.any():
-            k = int(np.argmax(far))
-            log.refuse(
-                int(track.row[k]), "heading",
-                f"{track.name} heads for {pose[k, 2]:g}"
-                + (f" after {pose[k - 1, 2]:g}" if k else " at first")
-                + ", more than a whole turn in radians; give --degrees, or --radians if they are",
-            )  # fmt: skip
+    elif turned.any():
+        k = int(np.argmax(turned))
+        log.refuse(
+            int(track.line[k]), "heading",
+            f"heading is {pose[k, 2]:g}, {f'after {pose[k - 1, 2]:g}' if k else 'at first'}, more "
+            "than a whole turn in radians; give --degrees, or take off whole turns",
+        )  # fmt: skip
     pose[:, 2] = np.unwrap(pose[:, 2])
     return pose
 
 
-def _gaps(log: Log, track: Track, how: Reading) -> Iterator[str]:
-    """What is said of the gaps of a robot that are bridged. PhysimError for one that is not."""
-    apart = np.diff(track.time)
-    usual = float(np.median(apart))
-    longer = apart > MOST_GAP * usual * (1.0 + 1e-9)
-    allowed = MOST_GAP * usual if how.gaps is None else how.gaps
-    if (gone := apart > allowed * (1.0 + 1e-9)).any():
-        k = int(np.argmax(gone))
+def _gaps(log: Log, track: Track, first: float, last: float, gaps: float | None) -> Iterator[str]:
+    """What is said of the gaps of a robot that are bridged. PhysimError for one that is not.
+
+    The log goes from ``first`` to ``last`` [s].
+    """
+    usual = float(np.median(np.diff(track.time)))
+    apart = np.diff(track.time, prepend=first, append=last)
+    allowed = MOST_GAP * usual if gaps is None else gaps
+    k = int(np.argmax(apart))
+    if apart[k] > allowed * (1.0 + 1e-9):
+        since, enough = track.time[k - 1] if k else first, math.ceil(apart[k] * 1e3 - 1e-6) / 1e3
         log.refuse(
-            int(track.row[k + 1]), "time",
-            f"no sample of {track.name} for {apart[k]:g} s, from {track.time[k]:.12g} s on; it has "
-            f"one every {usual:g} s, and gaps of up to {allowed:g} s are bridged; "
-            f"{_bridge(float(apart[k]))} to bridge it along its twist, or cut the log there",
+            int(track.line[min(k, len(track.line) - 1)]), "time",
+            f"no sample of {track.name} for {apart[k]:g} s, from {since:.12g} s on; {usual:g} s are "
+            f"usual, up to {allowed:g} s are bridged; give --gaps {enough:g} to bridge them along "
+            "the twist, or cut the log",
         )  # fmt: skip
-    if count := int(longer.sum()):
-        yield f"{track.name}: {plural(count, 'gap')} of up to {apart.max():g} s, bridged"
+    inner = apart[1:-1] > MOST_GAP * usual * (1.0 + 1e-9)
+    if inner.any():
+        yield f"{plural(int(inner.sum()), 'gap')} of {track.name}, up to {apart[k]:g} s, bridged"
 
 
-def _bridge(seconds: float) -> str:
-    return f"give --gaps {math.ceil(seconds * 1e3 - 1e-6) / 1e3:g}"
-
-
-def _jumps(log: Log, track: Track, limit: FloatArray, how: Reading) -> Iterator[str]:
+def _jumps(log: Log, track: Track, limit: FloatArray, jumps: bool) -> Iterator[str]:
     """What is said of steps that are farther than a robot goes. PhysimError where not allowed."""
     moved, apart = np.diff(track.pose, axis=0), np.diff(track.time)
-    for what, unit, way, most, noise in (
-        ("moves", "m", np.hypot(moved[:, 0], moved[:, 1]), float(limit[0]), PLACE_NOISE),
-        ("turns", "rad", np.abs(moved[:, 2]), float(limit[1]), HEADING_NOISE),
+    for column, unit, way, most, noise in (
+        ("x", "m", np.hypot(moved[:, 0], moved[:, 1]), limit[0], PLACE_NOISE),
+        ("heading", "rad", np.abs(moved[:, 2]), limit[1], HEADING_NOISE),
     ):
-        far = way > FASTEST * most * apart + noise
-        if not far.any():
+        if not (far := way > FASTEST * most * apart + noise).any():
             continue
         k = int(np.argmax(far))
-        if not how.jumps:
-            column = "x" if unit == "m" else "heading"
-            degrees = ", or --degrees" if unit == "rad" and how.headings is None else ""
+        if not jumps:
+            degrees = ", or --degrees where headings are such" if unit == "rad" else ""
             log.refuse(
-                int(track.row[k + 1]), column,
-                f"{track.name} {what} {way[k]:.3g} {unit} in {apart[k]:.3g} s; its limit is "
-                f"{most:g} {unit}/s, and {FASTEST:g} times that and {noise:g} {unit} are taken for "
-                f"motion; correct the log, or give --jumps to take it as it is{degrees}",
+                int(track.line[k + 1]), column,
+                f"a jump of {track.name}, {way[k]:.3g} {unit} in {apart[k]:.3g} s; more than "
+                f"{FASTEST:g} times its limit of {most:g} {unit}/s, and {noise:g} {unit}, is taken "
+                f"for an error; correct the log, or give --jumps to take it as it is{degrees}",
             )  # fmt: skip
-        jumps = plural(int(far.sum()), "jump")
-        yield (
-            f"{track.name}: {jumps} taken for motion, the first of {way[k]:.3g} {unit} in "
-            f"{apart[k]:.3g} s at {track.time[k + 1]:.12g} s of the log"
-        )
-
-
-def _ends(log: Log, tracks: list[Track], begun: float, end: float, how: Reading) -> Iterator[str]:
-    """What is said of the time when not all robots were seen. PhysimError where that is long."""
-    for one in tracks:
-        usual = float(np.median(np.diff(one.time)))
-        allowed = MOST_GAP * usual if how.gaps is None else how.gaps
-        for late, row, words in (
-            (one.time[0] - min(other.time[0] for other in tracks), 0, "before its first"),
-            (max(other.time[-1] for other in tracks) - one.time[-1], -1, "after its last"),
-        ):
-            if late > allowed * (1.0 + 1e-9):
-                log.refuse(
-                    int(one.row[row]), "time",
-                    f"others were seen {late:g} s {words} sample of {one.name}; up to {allowed:g} "
-                    f"s are left out; {_bridge(float(late))} to leave that out, or cut the log",
-                )  # fmt: skip
-    first, last = (
-        begun - min(one.time[0] for one in tracks), max(one.time[-1] for one in tracks) - end
-    )  # fmt: skip
-    if first > 0.0 or last > 0.0:
-        yield f"{first:g} s before and {last:g} s after, when not all robots were seen, left out"
+        yield f"{plural(int(far.sum()), 'jump')} of {track.name} by up to {way.max():.3g} {unit}"
 
 
 def _own_step(log: Log, tracks: list[Track]) -> float:
     """Step [s] of which the times of all samples are multiples. PhysimError where there is none."""
-    times = np.concatenate([one.time for one in tracks])
-    rows = np.concatenate([one.row for one in tracks])
-    who = np.repeat(np.arange(len(tracks)), [len(one.time) for one in tracks])
+    times, lines = (np.concatenate([getattr(one, of) for one in tracks]) for of in ("time", "line"))
     order = np.argsort(times, kind="stable")
-    times, rows, who = times[order], rows[order], who[order]
-    apart = np.diff(times)
-    new = apart > LEAST_STEP
-    shortest = float(apart[new].min())
-    number = np.concatenate(([0], np.cumsum(np.where(new, np.rint(apart / shortest), 0.0))))
+    times, lines = times[order], lines[order]
+    apart = np.diff(times, prepend=times[0])
+    apart[apart < LEAST_STEP] = 0.0
+    number = np.cumsum(np.rint(apart / apart[apart > 0.0].min()))
     step = float(f"{(times[-1] - times[0]) / number[-1]:.9g}")
     off = np.abs((times - times[0]) / step - number)
-    ask = "give --every SECONDS for a step of the record; poses there lie along twists"
     if (off > ON_STEP).any():
         k = int(np.argmax(off > ON_STEP))
         log.refuse(
-            int(rows[k]), "time",
-            f"{tracks[who[k]].name} at {times[k]:.12g} s is {off[k]:.2g} steps off; times must be "
-            f"multiples of one step, here {step:.4g} s; {ask}",
+            int(lines[k]), "time",
+            f"{times[k]:.12g} s is {off[k]:.2g} steps off; times must be multiples of one step, "
+            f"here {step:.4g} s; {EVERY}, and its poses lie along the twists between samples",
         )  # fmt: skip
     for one in tracks:
-        share = (len(one.time) - 1) / max(1.0, (one.time[-1] - one.time[0]) / step)
-        way = np.hypot(*np.diff(one.pose[:, :2], axis=0).T).max() * min(1.0, share)
+        spacing = np.diff(one.time)
+        speed = np.hypot(*np.diff(one.pose[:, :2], axis=0).T) / spacing
+        way = float(np.quantile(speed, USUALLY)) * step
         fault = ""
-        if share < 0.5 - ON_STEP:
-            fault = (
-                f"{one.name} has a sample in {share:.0%} of the steps of {step:.4g} s that fit all"
-            )
+        if np.median(spacing) > (2.0 + ON_STEP) * step:
+            fault = f"{one.name} has samples at less than half of the steps of {step:.4g} s"
         elif step > LONGEST_STEP:
-            fault = (
-                f"a step of {step:g} s is too long, at most {LONGEST_STEP:g} s; times are seconds"
-            )
+            fault = f"times are seconds, and a step is at most {LONGEST_STEP:g} s, not {step:g} s"
         elif way > 0.5 * SHORTEST_WINDOW:
-            fault = f"{one.name} moves {way:.2g} m in a step of {step:g} s, too far to follow"
+            fault = f"{one.name} goes {way:.2g} m in a step of {step:g} s, too far to follow"
         if fault:
-            log.refuse(int(one.row[0]), "time", f"{fault}; {ask}")
+            log.refuse(int(one.line[0]), "time", f"{fault}; {EVERY}")
     return step
 
 
-def _at_steps(track: Track, times: FloatArray, dt: float) -> tuple[FloatArray, int]:
-    """Poses (K, 3) at times (K,) [s] within those of a robot, and how many are of no sample."""
-    time, pose = track.time, track.pose
-    nearest = np.clip(np.searchsorted(time, times - 0.5 * dt), 0, len(time) - 1)
-    after = np.minimum(nearest + 1, len(time) - 1)
-    nearest = np.where(np.abs(time[after] - times) < np.abs(time[nearest] - times), after, nearest)
-    known = np.abs(time[nearest] - times) <= ON_STEP * dt
-    found = np.where(known[:, None], pose[nearest], _between(time, pose, times))
-    return found, int((~known).sum())
-
-
-def _between(time: FloatArray, pose: FloatArray, times: FloatArray) -> FloatArray:
-    """Poses (K, 3) at times, along the constant twist from each sample to the next."""
-    k: IntArray = np.clip(np.searchsorted(time, times, side="right") - 1, 0, len(time) - 2)
-    start, moved = pose[k], pose[k + 1] - pose[k]
-    share = np.clip((times - time[k]) / (time[k + 1] - time[k]), 0.0, 1.0)
+def _at_steps(track: Track, begun: float, dt: float, count: int) -> tuple[FloatArray, int]:
+    """Poses (K, 3) of a robot at steps from 0 to ``count``, and how many are of no sample."""
+    number = np.rint((track.time - begun) / dt)
+    at = begun + dt * number
+    time = np.where(np.abs(track.time - at) <= ON_STEP * dt, at, track.time)
+    times = begun + dt * np.arange(count + 1.0)
+    k = np.searchsorted(time, times, side="right") - 1
+    start, moved = track.pose[k], np.diff(track.pose, axis=0, append=track.pose[-1:])[k]
+    share = (times - time[k]) / np.diff(time, append=np.inf)[k]
     half = 0.5 * moved[:, 2]
     length = share * np.sinc(share * half / np.pi) / np.sinc(half / np.pi)
-    turn = (share - 1.0) * half
-    cos, sin = np.cos(turn), np.sin(turn)
+    cos, sin = length * np.cos((share - 1.0) * half), length * np.sin((share - 1.0) * half)
     x, y = moved[:, 0], moved[:, 1]
-    way = np.stack((length * (cos * x - sin * y), length * (sin * x + cos * y)), axis=1)
-    return np.column_stack((start[:, :2] + way, start[:, 2] + share * moved[:, 2]))
+    moved = np.stack((cos * x - sin * y, sin * x + cos * y, share * moved[:, 2]), axis=1)
+    return start + moved, int(count + 1 - np.isin(times, time).sum())

@@ -89,8 +89,8 @@ def read_log(path: Path, names: Sequence[str]) -> Log:
             return _tracked(Log(path, digest, head), rows, names)
     except (csv.Error, UnicodeDecodeError) as error:
         raise PhysimError(
-            f"{Position(path, number, 1)}: from here on no CSV in UTF-8 ({error}); write lines of values "
-            "between commas"
+            f"{Position(path, number, 1)}: from here on no CSV in UTF-8 ({error}); write lines of "
+            "values between commas"
         ) from None
     except OSError as error:
         raise PhysimError(f"{path}: cannot be read: {error.strerror}") from None

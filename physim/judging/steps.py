@@ -20,6 +20,8 @@ from physim.world.rules import MOST_STEPS
 
 ON_STEP = 0.01
 """of a step by which a sample may be off it"""
+ROUNDING = 1e-6
+"""of a step that was asked for"""
 MOST_GAP = 5.0
 """usual spacings of a robot's samples: what is longer is a gap"""
 FASTEST = 3.0
@@ -78,7 +80,7 @@ def motion_of(
             f"all robots are seen from {begun:.12g} to {end:.12g} s, which makes {max(count, 0)} "
             f"steps of {dt:g} s; a record has 1 to {MOST_STEPS:,}; give another --every",
         )  # fmt: skip
-    source = "the log's own" if every is None else "as asked for"
+    source, slack = ("the log's own", ON_STEP) if every is None else ("as asked for", ROUNDING)
     notes = [f"a step every {dt:g} s, {source}"]
     if begun != 0.0:
         notes.append(f"0 s is {begun:.12g} s of the log")
@@ -87,11 +89,11 @@ def motion_of(
                      "not all robots were seen")  # fmt: skip
     poses, between = np.empty((count + 1, len(tracks), 3)), np.zeros(len(tracks), dtype=np.int64)
     for k, one in enumerate(tracks):
-        poses[:, k], between[k] = _at_steps(one, begun, dt, count)
+        poses[:, k], between[k] = _at_steps(one, begun, dt, count, slack)
     if between.any():
         most, share = tracks[int(np.argmax(between))].name, between / (count + 1)
-        told.append(f"{share.mean():.3g} of the poses lie between two samples, along the twist "
-                    f"that joins them; most of {most}, {share.max():.3g}")  # fmt: skip
+        told.append(f"{share.mean():.1%} of the poses lie between two samples, along the twist "
+                    f"that joins them; most of {most}, {share.max():.1%}")  # fmt: skip
     if unread := [one for one in log.columns if one not in COLUMNS]:
         told.append(f"columns not read: {', '.join(unread)}")
     return Motion(dt, begun, poses, (*notes, *told))
@@ -127,9 +129,9 @@ def _gaps(log: Log, track: Track, first: float, last: float, gaps: float | None)
         since, enough = track.time[k - 1] if k else first, math.ceil(apart[k] * 1e3 - 1e-6) / 1e3
         log.refuse(
             int(track.line[min(k, len(track.line) - 1)]), "time",
-            f"no sample of {track.name} for {apart[k]:g} s, from {since:.12g} s on; {usual:g} s are "
-            f"usual, up to {allowed:g} s are bridged; give --gaps {enough:g} to bridge them along "
-            "the twist, or cut the log",
+            f"no sample of {track.name} for {apart[k]:g} s, from {since:.12g} s on; usual are "
+            f"{usual:g} s, up to {allowed:g} s are bridged; give --gaps {enough:g} to bridge them "
+            "along the twist, or cut the log",
         )  # fmt: skip
     inner = apart[1:-1] > MOST_GAP * usual * (1.0 + 1e-9)
     if inner.any():
@@ -190,11 +192,16 @@ def _own_step(log: Log, tracks: list[Track]) -> float:
     return step
 
 
-def _at_steps(track: Track, begun: float, dt: float, count: int) -> tuple[FloatArray, int]:
-    """Poses (K, 3) of a robot at steps from 0 to ``count``, and how many are of no sample."""
+def _at_steps(
+    track: Track, begun: float, dt: float, count: int, slack: float
+) -> tuple[FloatArray, int]:
+    """Poses (K, 3) of a robot at steps from 0 to ``count``, and how many are of no sample.
+
+    Samples no more than ``slack`` steps off a step are of that.
+    """
     number = np.rint((track.time - begun) / dt)
     at = begun + dt * number
-    time = np.where(np.abs(track.time - at) <= ON_STEP * dt, at, track.time)
+    time = np.where(np.abs(track.time - at) <= slack * dt, at, track.time)
     times = begun + dt * np.arange(count + 1.0)
     k = np.searchsorted(time, times, side="right") - 1
     start, moved = track.pose[k], np.diff(track.pose, axis=0, append=track.pose[-1:])[k]

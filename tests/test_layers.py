@@ -48,6 +48,7 @@ LAYERS = {
     "physim.world.layout": (2, 1),
     "physim.world.checks": (2, 2),
     "physim.controllers": (2, 0),
+    "physim.disturbances": (2, 0),
     "physim.record": (3, 0),
     "physim.simulation.arrival": (3, 0),
     "physim.simulation.engine": (3, 0),

@@ -26,6 +26,7 @@ def run(
     changes: Changes = AS_IT_IS,
     observer: tuple[str, ...] = (),
     keep_states: Positive | None = None,
+    keep_sensed: bool = False,
     from_: Seconds | None = None,
     no_video: bool = False,
     page: bool = False,
@@ -40,6 +41,7 @@ def run(
       --observer NAME  attach a registered observer (physim list) or your own, as module:Class (may
           be repeated)
       --keep-states S  keep the state of the run every S seconds, so that other runs can start there
+      --keep-sensed  keep what each robot sensed when it decided
       --from T  start from the state at T [s] that a record kept (give it as WORLD); you may change
           --controller, and with --set any key that moves no body
       --no-video  make no video
@@ -100,8 +102,8 @@ def run(
         try:
             with Bar(scene.world.name, scene.steps * scene.dt, "s at most", quiet) as bar:
                 record = record_run(
-                    simulation, observers=observers, save=SaveAt(states=keep_states),
-                    path=folder / "record.h5",
+                    simulation, observers=observers, path=folder / "record.h5",
+                    save=SaveAt(states=keep_states, sensed=keep_sensed),
                     progress=bar.simulated if bar.visible else None, stop=interrupt,
                 )  # fmt: skip
         except LateError as error:  # in an observer, after the last step

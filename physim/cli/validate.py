@@ -17,6 +17,7 @@ from physim.cli.simulating import ready, tell, to_the_end
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
+    from physim.parts.controller import Controller
     from physim.record import Record
 
 
@@ -65,6 +66,7 @@ def validate(
     from physim.analysis.validation import judge, warning_lines
     from physim.analysis.validation import report as report_text
     from physim.analysis.validation.origin import check_made_from
+    from physim.analysis.validation.undisturbed import disturbing, undisturbed
     from physim.analysis.validation.validation import NOT_ASKED, json_of_validation, missing
     from physim.record import Record
     from physim.simulation.recorder import SaveAt
@@ -83,6 +85,7 @@ def validate(
         again: Record | str = ""
         if file is None:
             simulation = ready(given, changes, quiet)
+            controller = simulation.parts.all[0].made
             scene, run = simulation.scene, partial(record_run, simulation, save=SaveAt(every=1))
             title = f"{scene.world.name}, seed {scene.seed}"
             record = opened.enter_context(to_the_end(run, title, scene.steps * scene.dt, quiet))
@@ -91,13 +94,21 @@ def validate(
             record, source = opened.enter_context(Record.load(file)), str(file)
             if world is not None:
                 check_made_from(record, read_world(world, **changes.reading)[0], world)
-            again = _run_again(record, file, changes, quiet) if rerun else NOT_ASKED
-        if isinstance(again, str):
-            whole, found = record, judge(record, None, again, source=source)
-        else:
+            controller = _controller(file, changes) if rerun else None
+            again = _run_again(record, controller, quiet) if rerun else NOT_ASKED
+        whole = record
+        if isinstance(again, Record):
             opened.enter_context(again)
             whole = again if missing(record) else record
-            found = judge(record, again, source=source)
+        without = None
+        if rerun and disturbing(whole) and len(whole.contacts):
+            make = partial(undisturbed, whole, controller=controller)
+            title = f"{record.name}, seed {record.seed}, without disturbances"
+            without = to_the_end(make, title, record.steps_run * record.dt, quiet)
+        if isinstance(again, Record):
+            found = judge(record, again, source=source, without=without)
+        else:
+            found = judge(record, None, again, source=source, without=without)
         if page is not None:
             make_page([whole], page, quiet, found)
             if not quiet:
@@ -122,21 +133,26 @@ def _check(is_record: bool, world: str | None, rerun: bool, changes: Changes) ->
         raise PhysimError("--controller: needs a world, or a record that is simulated again")
 
 
-def _run_again(record: Record, file: Path, changes: Changes, quiet: bool) -> Record | str:
+def _controller(file: Path, changes: Changes) -> Controller | None:
+    """The controller that is given with a record, to stand for a class that it names."""
+    from physim.parts.registry import made_controller
+    from physim.world.file import read_world
+
+    if changes.controller is None:
+        return None
+    world, document = read_world(file, controller=changes.controller)
+    tell(document.lines(document.warnings))
+    return made_controller(world, trusted=True)
+
+
+def _run_again(record: Record, controller: Controller | None, quiet: bool) -> Record | str:
     """The run of a record simulated again, as far as it goes; or why it cannot be.
 
     Raises PhysimError where it has to be, for what the record lacks.
     """
     from physim.analysis.validation.rerun import AgainError, run_again, simulation_again
     from physim.analysis.validation.validation import missing
-    from physim.parts.registry import made_controller
-    from physim.world.file import read_world
 
-    controller = None
-    if changes.controller is not None:
-        world, document = read_world(file, controller=changes.controller)
-        tell(document.lines(document.warnings))
-        controller = made_controller(world, trusted=True)
     try:
         simulation = simulation_again(record, controller=controller)
         title = f"{record.name}, seed {record.seed}"

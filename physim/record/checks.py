@@ -101,9 +101,13 @@ def attributes_of(file: h5py.File, where: str) -> dict[str, Any]:
 
 
 def check_datasets(
-    file: h5py.File, where: str, sizes: Mapping[str, int], types: Mapping[str, np.dtype[Any]]
+    file: h5py.File,
+    where: str,
+    table: Mapping[str, Dataset[Any]],
+    sizes: Mapping[str, int],
+    types: Mapping[str, np.dtype[Any]],
 ) -> None:
-    """Check that an open file has every dataset of the table, each of its type and shape.
+    """Check that an open file has every dataset of a ``table``, each of its type and shape.
 
     ``sizes`` are those of shapes that are known, ``types`` those of rows that grow. Raises
     RecordError that names the first that is missing or not as it should be.
@@ -111,7 +115,7 @@ def check_datasets(
     there: set[str] = set()
     with reading(where, "a dataset"):
         file.visit(there.add)  # no links, which may lead to other files
-        for path, one in layout.TABLE.items():
+        for path, one in table.items():
             found = file[path] if path[1:] in there else None
             if fault := _fault(found, one, types.get(path, one.dtype).base, sizes):
                 raise RecordError(f"{where}: dataset {path} {fault}; {AGAIN}")

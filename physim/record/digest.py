@@ -66,7 +66,8 @@ def digest_of(record: Record, attributes: Mapping[str, Any]) -> str:
     for name, value in (*HEAD.items(), *((name, attributes[name]) for name in named)):
         total.update(f"{name}={value!r}\n".encode())
     told = texts(record.bodies, record.declared)
-    for path in PARTS:
+    held = layout.held(record.tables)
+    for path in (path for path in PARTS if path in KNOWN or path in held):
         samples = path in layout.STEPS
         last = 0 if samples else None
         rows = told[path] if path in told else record.read(path, 0, last, check=False)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from physim.record.reader import Record
 
-FRAMES = ("steps", "updates", "contacts", "commands", "considered", "false_contacts")
+FRAMES = ("steps", "updates", "contacts", "commands", "considered", "false_contacts", "sensed")
 
 
 def frame(record: Record, table: str) -> pd.DataFrame:
@@ -34,7 +34,7 @@ def frame(record: Record, table: str) -> pd.DataFrame:
         rows = getattr(record, table)
         columns = {"time": rows["step"] * record.dt, **{n: rows[n] for n in rows.dtype.names}}
     bodies = [body.name for body in record.bodies]
-    for name in {"robot", "a", "b", "other"} & set(columns):
+    for name in {"robot", "a", "b", "other", "observer", "body"} & set(columns):
         columns[name] = pd.Categorical.from_codes(columns[name], bodies)
     for name, words in (
         ("mode", [mode.name for mode in record.modes]),

@@ -81,9 +81,11 @@ def numbered(bodies: tuple[Body, ...]) -> tuple[Body, ...]:
 Whole = Annotated[int, Field(strict=True, ge=0, le=2**63 - 1)]
 Steps = Annotated[int, Field(strict=True, ge=0, le=MOST_STEPS)]
 Ended = Literal["running", "finished", "duration", "interrupted", "error"]
-TableName = Literal["updates", "considered", "contacts", "false_contacts"]
+TableName = Literal["updates", "considered", "contacts", "false_contacts", "sensed"]
 ENDED: tuple[Ended, ...] = get_args(Ended)
-OPTIONAL: tuple[TableName, ...] = get_args(TableName)
+SENSED: TableName = "sensed"
+"""The table that a record has only where the run was asked for it"""
+OPTIONAL = tuple(name for name in get_args(TableName) if name != SENSED)
 """Tables that a run may leave out; the commands and the samples are always there."""
 
 
@@ -341,6 +343,8 @@ DECISION = (
 )
 _WHEN, _WHO = "physics step, -1 for never", "which, -1 for none"
 
+_MOTION = {"x": "m", "y": "m", "heading": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}
+
 
 class Layout(Attributes):
     """All that a record has, as properties of `Record`, which can ``read`` a dataset."""
@@ -435,6 +439,18 @@ class Layout(Attributes):
         "/considered_others", "M", "<i4", "the robots that were considered, decision after "
         "decision, as many as /considered counts", "", 0, "robots",
     )  # fmt: skip
+    sensed = Dataset[Rows](
+        "/sensed", "M",
+        (
+            _STEP, Column("observer", "<i4", "", "robot that decided", 0, "robots"),
+            Column("body", "<i4", "", "body that it sensed, itself too", 0, "bodies"),
+            *(Column(one, "<f8", unit, "as sensed", -FAR, FAR) for one, unit in _MOTION.items()),
+            Column("reference_station", "<f8", "m", "along the reference path, as sensed"),
+            Column("age", "<f8", "s", "how old this is", 0.0, FAR),
+        ),
+        "what each robot that decided sensed of bodies within range and knew of formation "
+        "neighbours; only where it was asked for (physim run --keep-sensed)",
+    )  # fmt: skip
     state_bytes = Dataset[NDArray[np.uint8]](
         "/state_bytes", "S", "u1", "states that were kept, one after the other, each NumPy's .npz"
     )
@@ -469,7 +485,7 @@ TABLE: dict[str, Dataset[Any]] = {
     for one in (made.datasets if isinstance(made, Packed) else (made,))
     if isinstance(one, Dataset)
 }
-"""Every dataset that a record must have, by its path."""
+"""Every dataset of a record, by its path; `SENSED` may be absent."""
 EXTREMES, EXTREMES_FARTHEST = Layout.extremes.path, Layout.farthest.path
 ARRIVED, OTHERS = Layout.arrived.path, Layout.others.path
 TABLES = tuple(path for path, one in TABLE.items() if one.shape == ("M",) and one.fields[0].name)
@@ -487,6 +503,11 @@ def update_type(columns: Sequence[str]) -> np.dtype[np.void]:
     """Row of the table of decisions, with the columns that the controller declares."""
     fields = [(field.name, field.kind) for field in DECISION]
     return np.dtype([*fields, *((name, "<f8") for name in columns)])
+
+
+def held(tables: Sequence[str]) -> dict[str, Dataset[Any]]:
+    """Those of `TABLE` that a record has which holds these optional tables."""
+    return {path: one for path, one in TABLE.items() if path[1:] != SENSED or SENSED in tables}
 
 
 def row_types(robots: int, columns: Sequence[str]) -> dict[str, np.dtype[Any]]:

@@ -77,7 +77,8 @@ class Record(layout.Layout):
         if not _just_made:
             sizes = {"N": self.robots, "N+1": self.robots + 1, "W+1": bodies - self.robots + 1}
             types = layout.row_types(self.robots, [column.name for column in declared.columns])
-            check_datasets(file, self.where, {**sizes, "2": 2, "3": 3}, types)
+            held = layout.held(self.tables)
+            check_datasets(file, self.where, held, {**sizes, "2": 2, "3": 3}, types)
         self.samples = min(len(file[path]) for path in layout.STEPS)
         """how many samples were recorded"""
         self._highest = {
@@ -97,7 +98,7 @@ class Record(layout.Layout):
         """Leave out what was written after the last sample of a run that was killed."""
         last = int(self.steps[-1]) if self.samples else -1
         self.steps_run = max(self.begun_at, last)
-        for path in layout.TABLES:
+        for path in (path for path in layout.TABLES if path in layout.held(self.tables)):
             with reading(self.where, path):
                 step = self._file[path].fields("step")[()]
             self._rows[path] = int(np.count_nonzero(step <= last))
@@ -125,13 +126,17 @@ class Record(layout.Layout):
             raise
 
     def _check_values(self) -> None:
-        """Read all but the samples, which are checked when they are read.
+        """Read all but what is large, samples and what was sensed, which is checked when read.
 
         Raises RecordError, one line: table, row, what was given, what is allowed.
         """
         for name, one in vars(layout.Layout).items():
             shape = one.shape[:2] if isinstance(one, layout.Dataset) else ()
-            if isinstance(one, layout.Property) and shape not in (("K", "N"), ("S",)):
+            if (
+                name != layout.SENSED
+                and shape not in (("K", "N"), ("S",))
+                and (isinstance(one, layout.Property))
+            ):
                 getattr(self, name)
         _ = self.considered
         first, last = self.steps[[0, -1]].tolist() if self.samples else (self.begun_at, -1)
@@ -165,6 +170,11 @@ class Record(layout.Layout):
         """
         if path not in layout.TABLE:
             return texts(self.bodies, self.declared)[path][first:last]
+        if path not in layout.held(self.tables):
+            raise RecordError(
+                f"{self.where}: what robots sensed was not kept; physim run --keep-sensed, or "
+                "simulate(world, save=SaveAt(sensed=True)), keeps it"
+            )
         end = self._rows.get(path, last)
         last = end if last is None or end is None else min(last, end)
         with reading(self.where, path):
@@ -419,8 +429,8 @@ class Record(layout.Layout):
 
     def to_pandas(self, table: str = "steps") -> pd.DataFrame:
         """Data frame of a table: "steps" (a row for each sample and robot), "updates" (decisions),
-        "commands", "considered", "contacts" or "false_contacts"; columns and units as in the
-        record, with times [s] and names.
+        "commands", "considered", "contacts", "false_contacts" or "sensed"; columns and units as in
+        the record, with times [s] and names.
 
         Raises PhysimError for another table, and where pandas is not installed.
         """

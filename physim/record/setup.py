@@ -170,4 +170,6 @@ def _part(choice: Any, usual: str) -> Part:
 
 
 def _short(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return f"({', '.join(f'{key} {_short(one)}' for key, one in value.items())})"
     return f"{value:g}" if isinstance(value, float) else str(value)

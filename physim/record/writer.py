@@ -111,8 +111,8 @@ class RecordWriter:
         ``accessible`` and ``safe`` are rings (n, 2) [m] for pictures, ``safe`` at ``safe_distance``
         [m] from the boundaries. ``name`` and ``record_every`` [steps] are those of the scene's
         world where they are not given. ``declared`` are modes, rules and columns of the controller,
-        ``tables`` those of `layout.OPTIONAL` that the run fills, ``given`` the parts that came from
-        Python, with their ``given_settings`` where these are known. ``begun_at`` is the step of the
+        ``tables`` the optional ones that the run fills, ``given`` the parts that came from Python,
+        with their ``given_settings`` where these are known. ``begun_at`` is the step of the
         first sample, ``begun_along`` (N, 3) [m] where robots are then, as `Layout.begun_along` has
         it; ``judged`` the log that the poses are of.
         Raises RecordError where the file cannot be written, where another run is writing it,
@@ -182,7 +182,7 @@ class RecordWriter:
                 self._file.create_group(layout.WALL_CLOCK)
                 self._datasets = {
                     path: self._made(one, scene.steps // every + 2)
-                    for path, one in layout.TABLE.items()
+                    for path, one in layout.held(tables).items()
                 }
                 self.flush()
         except BaseException:

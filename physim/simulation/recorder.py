@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, touching
 from physim.errors import RecordError
 from physim.geometry.clearance import ClearanceFinder
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.stages import Step
 from physim.record import RecordWriter
-from physim.record.layout import COMMAND, CONSIDERING, OPTIONAL
+from physim.record.layout import COMMAND, CONSIDERING, OPTIONAL, SENSED, Layout
 from physim.simulation.arrival import later_since
-from physim.simulation.observation import formation_errors
+from physim.simulation.observation import View, formation_errors
 from physim.world.scene import Scene
 
 if TYPE_CHECKING:
@@ -40,7 +40,6 @@ BLOCK_SECONDS = 0.3
 """[s] of computing after which a block goes to the record, however short."""
 SAMPLE_BYTES = 40
 """of a robot in a sample: its pose and two clearances"""
-NO_COMMANDS = np.zeros(0, dtype=COMMAND)
 
 
 @dataclass(frozen=True)
@@ -51,12 +50,13 @@ class SaveAt:
     None; ``tables``, those of updates, considered, contacts and false_contacts that are kept.
     Samples and commands are always there: without them a record could not be held against anything.
     ``states`` [s]: from one kept state to the next, from which `physim.state_at` lets another run
-    start.
+    start. ``sensed``: whether what each robot sensed when it decided is kept, see `Record.sensed`.
     """
 
     every: int | None = None
     tables: Sequence[str] = OPTIONAL
     states: float | None = None
+    sensed: bool = False
 
     def __post_init__(self) -> None:
         """Raise ValueError for a table that there is not, and for no whole number of steps."""
@@ -121,6 +121,7 @@ class Recorder:
         """Take down the sample at which the simulation is."""
         self.scene = scene = simulation.scene
         self.begun = self.first = simulation.step_number
+        self.view: View | None = None
         if self.begun:  # the record has no decision that gave the commands that are held
             self.latest = np.zeros((scene.robots, 2))
         self.since = np.full(scene.robots, -1, dtype=np.int64)
@@ -156,8 +157,7 @@ class Recorder:
         """
         steps, self.steps = self.steps, []
         self._write_decisions([step for step in steps if step.decisions is not None])
-        if commands := [rows for step in steps if len(rows := self._commands(step))]:
-            self.writer.append("commands", np.concatenate(commands))
+        self._write_commands(steps)
         self._write_false_contacts([step.false_contacts for step in steps])
         if steps:
             self._write_samples(
@@ -170,26 +170,33 @@ class Recorder:
             self.writer.append_steps([step], pose[None], *self.least[:, None])
         self.last_write = time.monotonic()
 
-    def _commands(self, step: Step) -> NDArray[np.void]:
+    def _write_commands(self, steps: Sequence[Step]) -> None:
         """Rows of the robots whose stages differ, or that were commanded from outside."""
-        decisions = step.decisions
-        if self.latest is not None and decisions is not None:
-            self.latest[decisions.robot] = decisions.command
-        elif self.latest is None and decisions is None and step.nominal is not step.truth.command:
-            self.latest = step.truth.command.copy()
-        if self.latest is None and step.applied is step.filtered is step.nominal:
-            return NO_COMMANDS
-        latest = step.nominal if self.latest is None else self.latest
-        stages = np.stack((latest, step.nominal, step.filtered, step.applied))
-        differ = (stages[1:] != stages[:-1]).any(axis=(0, 2))
-        rows = np.zeros(int(differ.sum()), dtype=COMMAND)
-        rows["step"], rows["robot"] = step.truth.step, np.flatnonzero(differ)
-        for name, values in zip(
-            (COMMAND.names or ())[2:], stages[1:, differ].transpose(0, 2, 1).reshape(6, -1),
-            strict=True,
-        ):  # fmt: skip
-            rows[name] = values
-        return rows
+        told, numbers = [], []
+        for step in steps:
+            decisions = step.decisions
+            if self.latest is not None and decisions is not None:
+                self.latest[decisions.robot] = decisions.command
+            elif (
+                self.latest is None and decisions is None and step.nominal is not step.truth.command
+            ):
+                self.latest = step.truth.command.copy()
+            if self.latest is None and step.applied is step.filtered is step.nominal:
+                continue
+            latest = step.nominal if self.latest is None else self.latest.copy()
+            told += [latest, step.nominal, step.filtered, step.applied]
+            numbers.append(step.truth.step)
+        if not told:
+            return
+        stages = stacked(told).reshape(len(numbers), 4, *told[0].shape)
+        at, robot = (stages[:, 1:] != stages[:, :-1]).any(axis=(1, 3)).nonzero()
+        rows = np.zeros(len(at), dtype=COMMAND)
+        rows["step"], rows["robot"] = np.array(numbers)[at], robot
+        names = iter((COMMAND.names or ())[2:])
+        for stage in range(1, 4):
+            for part in range(told[0].shape[1]):
+                rows[next(names)] = stages[at, stage, robot, part]
+        self.writer.append("commands", rows)
 
     def _write_decisions(self, steps: Sequence[Step]) -> None:
         if not steps:
@@ -197,6 +204,11 @@ class Recorder:
         rows = update_rows(self.scene, steps, self.writer.types["/updates"])
         if "updates" in self.tables:
             self.writer.append("updates", rows)
+        if SENSED in self.tables:
+            for step, decided in ((step, step.decisions) for step in steps):
+                self.view = View(self.scene, step.sensed, self.view)
+                if decided is not None:
+                    self.writer.append(SENSED, sensed_rows(self.view, decided.robot))
         if "considered" in self.tables:
             counts = np.empty(len(rows), dtype=CONSIDERING)
             counts["step"], counts["robot"] = rows["step"], rows["robot"]
@@ -241,6 +253,21 @@ class Recorder:
 def stacked(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
     """Arrays of one shape as one, like `numpy.stack`; of many small ones in a third of the time."""
     return np.concatenate(arrays).reshape(len(arrays), *arrays[0].shape)
+
+
+def sensed_rows(view: View, robots: IntArray) -> NDArray[np.void]:
+    """What each of some robots may know: of itself, of bodies within range, of its neighbours."""
+    known = [
+        np.unique((view.own_row(i), *view.others(i), *view.neighbours(i))) for i in robots.tolist()
+    ]
+    at, sensed = np.concatenate(known), view.sensed
+    rows = np.empty(len(at), dtype=Layout.sensed.dtype)
+    rows["step"], rows["body"] = sensed.step, sensed.robot[at]
+    rows["observer"] = np.repeat(robots, [len(one) for one in known])
+    rows["x"], rows["y"], rows["heading"] = sensed.pose[at].T
+    rows["vx"], rows["vy"], rows["omega"] = sensed.velocity[at].T
+    rows["reference_station"], rows["age"] = sensed.reference_station[at], sensed.age[at]
+    return rows
 
 
 def update_rows(

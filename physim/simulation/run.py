@@ -15,6 +15,7 @@ from physim.parts.declarations import kept_distance
 from physim.parts.stages import Disturbance, Filter, Observer, SensingStage
 from physim.parts.user_code import folder_kept, naming
 from physim.record import Record, RecordWriter
+from physim.record.layout import SENSED
 from physim.simulation.kept_states import packed
 from physim.simulation.loop import LOOK_ON, Simulation
 from physim.simulation.parts import listed
@@ -85,13 +86,14 @@ def record_run(
         raise RecordError(f"{path}: exists; give another path, or overwrite=True")
     others = listed("observers", observers)
     scene, every = simulation.scene, save.every or simulation.scene.world.time.record_every
+    tables = (*save.tables, SENSED) if save.sensed else tuple(save.tables)
     check_room(scene, every, path)
     area, distance = scene.area, kept_distance(simulation.parts.controller)
     given = simulation.parts.given
     writer = RecordWriter(
         path, scene, scene.world.to_yaml(), accessible=area.accessible_rings,
         safe=area.safe_rings(distance), safe_distance=distance, record_every=every,
-        declared=simulation.declared, tables=save.tables,
+        declared=simulation.declared, tables=tables,
         given=tuple((part.kind.word, part.name) for part in given),
         given_settings=tuple(part.settings for part in given), begun_at=begun,
         begun_along=np.stack(simulation.now[4:], axis=1) if begun else None, overwrite=overwrite,
@@ -99,7 +101,7 @@ def record_run(
     if begun:
         with suppress(PhysimError):
             writer.keep_state(begun, packed(simulation.state))
-    recorder = Recorder(writer, every, save.tables)
+    recorder = Recorder(writer, every, tables)
     started, ended, late = time.perf_counter(), "error", None
     try:
         for observer in (recorder, *others):

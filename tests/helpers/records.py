@@ -24,7 +24,7 @@ FloatArray, Polylines = inside("physim.geometry", "FloatArray", "Polylines")
 pack_parts, pack_polylines = inside("physim.geometry", "pack_parts", "pack_polylines")
 STANDARD_COLUMNS, Declared = inside("physim.parts", "STANDARD_COLUMNS", "Declared")
 CONSIDERED, CONSIDERING = inside("physim.record", "CONSIDERED", "CONSIDERING")
-update_type = inside("physim.record", "update_type")
+OPTIONAL, SENSED, update_type = inside("physim.record", "OPTIONAL", "SENSED", "update_type")
 Body = inside("physim.world", "Body")
 
 CENTRELINE = np.array([[0.0, 0.0], [15.0, 0.0], [27.0, 9.0], [60.0, 9.0]])
@@ -78,6 +78,7 @@ def make_record(
     name: str = "made up",
     block: int = 64,
     wall_clock: dict[str, float] | None = None,
+    sensed: bool = False,
 ) -> Record:
     """Robots drive in a row along a bent corridor, 2.5 m apart, at about 1 m/s.
 
@@ -89,6 +90,7 @@ def make_record(
     writer = RecordWriter(
         path, scene, world_text, name=name, accessible=[ring], safe=[_corridor_ring(3.0)],
         safe_distance=1.0, record_every=1, declared=DECLARED,
+        tables=(*OPTIONAL, SENSED) if sensed else OPTIONAL,
     )  # fmt: skip
     pose = poses(scene)
     touching = contact_rows(scene) if contacts and robots > 1 else np.zeros(0, CONTACT_ROW)
@@ -108,6 +110,8 @@ def make_record(
         for table in ("updates", "contacts"):
             writer.append(table, now[table])
         writer.append_considered(considering_rows(now["updates"]), now["considered"]["other"])
+    if sensed:
+        writer.append(SENSED, np.zeros(robots, Record.sensed.dtype))
     if len(touching):
         reported = np.array([(5, 0, 1, 0.2)], dtype=FALSE_CONTACT_ROW)
         writer.append("false_contacts", reported)

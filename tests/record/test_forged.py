@@ -28,7 +28,7 @@ NAN, INF = float("nan"), float("inf")
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("made") / "record.h5"
-    make_record(path, seconds=4.0, world_text=SMALL).close()
+    make_record(path, seconds=4.0, world_text=SMALL, sensed=True).close()
     return path
 
 
@@ -44,7 +44,7 @@ def altered(made: Path, folder: Path, *changes: Change) -> Path:
 def read_all(path: Path) -> None:
     """Read what is checked at the start, and what is checked when it is asked for."""
     with Record.load(path) as record:
-        for name in ("pose", "clearance", "boundary_clearance", "world_settings"):
+        for name in ("pose", "clearance", "boundary_clearance", "sensed", "world_settings"):
             getattr(record, name)
 
 

@@ -41,7 +41,7 @@ TABLE, Extremes = inside("physim.record", "TABLE", "Extremes")
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("made") / "record.h5"
-    make_record(path, seconds=4.0).close()
+    make_record(path, seconds=4.0, sensed=True).close()
     return path
 
 
@@ -84,7 +84,7 @@ def test_round_trip(made: Path) -> None:
 
 
 def test_memory_file_copy_and_pickle_are_the_same_record(made: Path, tmp_path: Path) -> None:
-    record = make_record(seconds=4.0)
+    record = make_record(seconds=4.0, sensed=True)
     record.save(tmp_path / "saved.h5")
     with Record.load(made) as on_disk, pickle.loads(pickle.dumps(on_disk)) as again:
         assert (again.path, again.digest()) == (made.absolute(), record.digest())

@@ -13,12 +13,23 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim import Decision, Observation, SaveAt, Simulation, build_scene, simulate
+from physim import (
+    Decision,
+    Observation,
+    SaveAt,
+    Simulation,
+    build_scene,
+    for_each,
+    observer_of_row,
+    simulate,
+    with_poses,
+)
 from physim.analysis.metrics import Figures
-from physim.errors import ControllerError
+from physim.errors import ControllerError, RecordError
 from physim.record import Record
 from physim.world.file import load_world
 from tests.helpers import THREE, Says, facts, inside, road
+from tests.helpers.stages import Changes
 
 LateError, record_run = inside("physim.simulation", "LateError", "record_run")
 RECORDER = sys.modules[inside("physim.simulation", "Recorder").__module__]
@@ -279,3 +290,39 @@ def test_no_array_of_a_step_can_be_written_to(plain: bool) -> None:
     given = {"controller": Says(drift)} if plain else {}
     simulate(world, observers=[Looks()], **given)
     assert writable == []
+
+
+class Noting:
+    """Goes straight on, and notes what it observes."""
+
+    def __init__(self) -> None:
+        self.seen: dict[tuple[int, int, int], list[float]] = {}
+
+    def decide(self, observation: Any, memory: None) -> Decision:
+        step = round(observation.time / observation.dt)
+        for one in (observation, *observation.others):
+            values = [*one.pose, *one.velocity]
+            self.seen[step, observation.index, one.index] = values
+        return Decision(1.0, 0.0, hold=0.1 * (1 + observation.index))
+
+
+def test_the_record_holds_what_each_robot_sensed_where_asked() -> None:
+    def shifted(sensed: Any) -> Any:
+        rows = for_each(sensed)
+        far = rows.pose + 0.1 * (observer_of_row(rows) + 1.0)[:, None]
+        return with_poses(rows_scene, rows, far)._replace(age=np.full(len(far), 0.25))
+
+    world = load_world("three_robots").changed(time={"duration": 2.0}, sensing={"range": 4.0})
+    rows_scene, controller = build_scene(world), Noting()
+    save = SaveAt(sensed=True)
+    record = simulate(world, controller=controller, sensing=[Changes(shifted)], save=save)
+    rows = record.sensed
+    found = {row[:3]: [*row[3:9]] for row in rows.tolist()}
+    near = {key: found[key] for key in controller.seen}
+    assert near == controller.seen
+    beyond = found.keys() - near.keys()  # formation neighbours, of which stations are known
+    assert beyond
+    assert len(found) == len(rows)
+    assert (rows["age"] == 0.25).all()
+    with pytest.raises(RecordError, match="--keep-sensed"):
+        simulate(world, controller=Noting()).sensed  # noqa: B018

@@ -175,7 +175,8 @@ def first_difference(
     step = None if steps is None else int(steps[first])
     robot = first if path in (ARRIVED, EXTREMES) else None
     if path in TABLES or path == OTHERS:
-        step, robot = int(row["step"]), int(row["a" if "a" in row.dtype.names else "robot"])
+        who = next(name for name in ("robot", "a", "observer") if name in row.dtype.names)
+        step, robot = int(row["step"]), int(row[who])
     if first == common:
         told, due = ("there", "not") if first < len(rows) else ("not there", "there")
         return unlike(record, path, None, told, due, by, row=first, robot=robot, step=step)

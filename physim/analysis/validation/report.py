@@ -113,6 +113,9 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
     lines += _pair_rows(pairs, names, len(pairs) if full else MOST_PAIRS)
     if run.setup.judged is None and any(one.b >= run.robots for one in every):
         lines.append("  With a boundary or obstacle the robot is responsible: it must keep clear.")
+    if validation.undisturbed is not None:
+        for text in validation.undisturbed.sentences(names, full):
+            lines += wrapped(text, "  ", "    ")
     told = every[:MOST_TOLD_IN_FULL] if full else [some[0] for some in pairs.values()][:MOST_TOLD]
     for one in told:
         lines += wrapped(" ".join(sentences(one, names)), "  - ", "    ")

@@ -33,6 +33,7 @@ from physim.record.layout import (
     EXTREMES,
     EXTREMES_FARTHEST,
     OTHERS,
+    SENSED,
     STEPS,
     TABLES,
 )
@@ -84,10 +85,12 @@ def simulation_again(
     sensing: Sequence[SensingStage] = (),
     filters: Sequence[Filter] = (),
     disturbances: Sequence[Disturbance] = (),
+    disturbed: bool = True,
 ) -> Simulation:
     """Set up the run of a record anew, from the world inside and the state where it went on.
 
-    No code is run because a record names it: parts that were given from Python, and a controller
+    Unless it is to be ``disturbed``, without sensing stages and disturbances. No code is run
+    because a record names it: parts that were given from Python, and a controller
     ``module:Class``, have to be given again. Raises AgainError where one is missing, and where the
     run made no step.
     """
@@ -110,7 +113,9 @@ def simulation_again(
             f"its controller is the class {name}; no code is run because a record names it: if you "
             f"trust the class, give --controller {name}",
         )
-    given = {"sensing stage": sensing, "filter": filters, "disturbance": disturbances}
+    given: dict[str, Sequence[Any]] = {"filter": filters}
+    if disturbed or record.begun_at:  # its state is of a run with all parts
+        given = {"sensing stage": sensing, **given, "disturbance": disturbances}
     for kind, parts in given.items():
         names = [name for word, name in record.given if word == kind]
         if len(names) != len(parts):
@@ -122,10 +127,14 @@ def simulation_again(
             )
     try:
         state = state_at(record, record.begun) if record.begun_at else None
-        return Simulation(
+        without: dict[str, Any] = {"sensing": {"stages": ()}, "disturbances": ()}
+        if not disturbed and state is None:
+            world = world.changed(**without)
+        simulation = Simulation(
             world, controller=controller, sensing=sensing, filters=filters,
             disturbances=disturbances, state=state,
         )  # fmt: skip
+        return simulation if disturbed or state is None else simulation.branch(**without)
     except PhysimError as error:
         raise AgainError(record, str(error).splitlines()[0]) from error
 
@@ -151,7 +160,7 @@ def run_again(
     try:
         return record_run(
             simulation,
-            save=SaveAt(every=1),
+            save=SaveAt(every=1, sensed=SENSED in record.tables),
             progress=progress,
             stop=lambda: stop() or (cut and simulation.step_number >= last),
         )

@@ -38,6 +38,11 @@ from physim.analysis.validation.rerun import (
     simulation_again,
 )
 from physim.analysis.validation.told import sentences
+from physim.analysis.validation.undisturbed import (
+    Undisturbed,
+    disturbing,
+    undisturbed,
+)
 from physim.errors import RecordError, plural
 from physim.json_text import json_text, plain
 from physim.parts.declarations import Mode, Rule
@@ -108,6 +113,8 @@ class Validation:
     """contacts deeper than `physim.contacts.allowed_depth`: what follows them is not physical"""
     rerun: Rerun | None = None
     """the run simulated again, where it was"""
+    undisturbed: Undisturbed | None = None
+    """the run without its disturbances, where it had such and contacts"""
 
     def __repr__(self) -> str:
         """Whose, and the verdict; `report` says all of it."""
@@ -221,19 +228,26 @@ def validate(record: Record, *, rerun: bool = True, source: str | None = None) -
     check_complete(record)
     if not rerun:
         return judge(record, None, NOT_ASKED, source=source)
+    without = undisturbed(record)
     try:
         again = run_again(record, simulation_again(record))
     except AgainError as error:
-        return judge(record, None, error.why, source=source)
+        return judge(record, None, error.why, source=source, without=without)
     with again:
-        return judge(record, again, source=source)
+        return judge(record, again, source=source, without=without)
 
 
 def judge(
-    record: Record, again: Record | None, why_not: str = "", *, source: str | None = None
+    record: Record,
+    again: Record | None,
+    why_not: str = "",
+    *,
+    source: str | None = None,
+    without: Undisturbed | None = None,
 ) -> Validation:
     """Validate a record, with the same run simulated ``again``, or with the reason why it is not.
 
+    ``without``: the run without its disturbances, where that was made.
     What the record lacks is taken from the run simulated again; what it has is held against that.
     Raises RecordError as `validate` does.
     """
@@ -244,6 +258,8 @@ def judge(
     analytic, (exact, distances) = analytic_contacts(whole), exact_distances(whole)
     table = DecisionTable(whole)
     rerun = None if again is None else compare_runs(record, again)
+    if without is None and len(whole.contacts) and (names := disturbing(whole)):
+        without = Undisturbed(names, why_not=why_not or NOT_ASKED)
     is_again = whole is again or (rerun is not None and rerun.exact)
     if record.judged is None:
         recomputed = recompute(record, whole, inside, table, is_again)
@@ -263,7 +279,7 @@ def judge(
         swept_contacts(whole, table), near_misses(whole, analytic, table),
         motion,
         compare_with_world(record, inside), recomputed, tuple(expectations(whole)),
-        Figures(whole).deep, rerun,
+        Figures(whole).deep, rerun, without,
     )  # fmt: skip
 
 

@@ -155,10 +155,13 @@ def _findings(found: Validation, summary: Summary) -> Iterator[tuple[object, ...
 
     for one in chain.from_iterable(found.findings):
         yield row("disagreement", one.time, one.bodies, one.words)
+    without = found.undisturbed
+    blame = {(one.a, one.b): one.words for one in without.pairs} if without is not None else {}
     deep = {(low.a, low.b): low.sentence(names) for low in found.deep}
     for hit in (*found.contacts, *found.grazes):
         pair = (hit.a, hit.b)
-        words = " ".join([*sentences(hit, names)[:3], deep.pop(pair, "")]).rstrip()
+        words = " ".join([*sentences(hit, names)[:3], blame.get(pair, ""), deep.pop(pair, "")])
+        words = " ".join(words.split())
         place, blamed = number.get((*pair, round(hit.time, 6))), min(hit.responsible, default=None)
         yield row("contact", hit.time, pair, words, place, blamed)
     for missed in found.missed:

@@ -185,7 +185,7 @@ def _own_step(log: Log, tracks: list[Track]) -> float:
             fault = f"{one.name} has samples at less than half of the steps of {step:.4g} s"
         elif step > LONGEST_STEP:
             fault = f"times are seconds, and a step is at most {LONGEST_STEP:g} s, not {step:g} s"
-        elif way > 0.5 * SHORTEST_WINDOW:
+        elif way > SHORTEST_WINDOW:
             fault = f"{one.name} goes {way:.2g} m in a step of {step:g} s, too far to follow"
         if fault:
             log.refuse(int(one.line[0]), "time", f"{fault}; {EVERY}")

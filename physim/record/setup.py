@@ -131,7 +131,8 @@ def setup_of(record: Record) -> Setup:
     world = record.world_settings
     if record.judged is not None:  # the world's parts did not act
         whole = ((Part(f"log {record.judged.source}", {}), tuple(range(record.robots))),)
-        return Setup(whole, {}, (), record.versions, record.names, record.judged)
+        nothing: dict[str, tuple[Part, ...]] = dict.fromkeys(STAGES, ())
+        return Setup(whole, nothing, (), record.versions, record.names, record.judged)
     own = dict(parts).get("controller") or _part(world.get("controller"), ControllerChoice().type)
     entries = world.get("robots")
     named: list[tuple[tuple[str, Mapping[str, Any]] | None, int]] = []

@@ -285,7 +285,7 @@ def test_a_log_that_cannot_be_judged(
 ) -> None:
     rows = straight()
     if "step of 3 s" in told:
-        rows = [[one[0], one[1], 2.0 + 18.0 * (float(one[2]) - 2.0), *one[3:]] for one in rows][:40]
+        rows = [[one[0], one[1], 2.0 + 25.0 * (float(one[2]) - 2.0), *one[3:]] for one in rows][:40]
     change(rows)
     with pytest.raises(PhysimError, match=facts(*told)) as caught:
         physim.judge(written(tmp_path / "log.csv", rows), hall())

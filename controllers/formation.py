@@ -107,7 +107,7 @@ def put_neighbours(
     """
     count, here = 0, station[me]
     for j in range(rows):
-        if is_neighbour(
+        if station[j] < np.inf and is_neighbour(
             number[me], number[j], here, station[j], adjacency, robots, neighbour_range
         ):
             out[count] = j

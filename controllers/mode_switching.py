@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.errors import Fault, Location
-from physim.geometry.motion import Course, facings, twists
+from physim.geometry.motion import Course, ended_twists, facings, twists
 from physim.geometry.neighbours import put_in_order
 from physim.geometry.path import path_length, point_at
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows2, Rows6, Shapes
@@ -443,8 +443,13 @@ class ModeSwitching:
         """Decide for robots ``due`` from what each of them may know."""
         cluster, rules, room = view.prepared(self._prepared)
         s, many, rows = view.sensed, len(due), len(view.sensed.robot)
+        station, twist = s.reference_station, twists(s.command)
+        if view.scene.moving > view.scene.robots:  # what is no robot tells neither
+            other = s.robot >= view.scene.robots
+            station = np.where(other, np.inf, station)
+            twist[other] = ended_twists(s.pose[other], s.velocity[other], view.scene.dt)
         bodies = Bodies(
-            cluster.shapes, s.robot, s.pose, twists(s.command), s.reference_station,
+            cluster.shapes, s.robot, s.pose, twist, station,
             facings(s.pose), rows,
         )  # fmt: skip
         known = Memory(memory["mode"], memory["plan"].reshape(-1, 2), memory["dwell"])
@@ -485,7 +490,7 @@ class ModeSwitching:
             reach=scene.sensing_range,
         )
         pairs = int((np.diff(cluster.speeds.start) * np.diff(cluster.omegas.start)).max())
-        many, ranking, nearest = scene.robots, ranking_of(scene.robots), nearest_walls(scene.robots)
+        many, ranking, nearest = scene.moving, ranking_of(scene.moving), nearest_walls(scene.robots)
         room = Room(np.empty((pairs, 2)), np.ones(1), ranking, np.array([many]), nearest)
         return cluster, rules, room
 

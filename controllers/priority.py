@@ -1,7 +1,9 @@
 """Collision priority: the robots that a decision may look at, and which of them it must consider.
 
 A robot further along the reference path has priority: Robot i considers Robot j only when
-l_ij > 0, that is when j is ahead, and within the range (10 m in the paper).
+l_ij > 0, that is when j is ahead, and within the range (10 m in the paper). Movers and obstacles
+that can be pushed, which the paper does not have, are ahead of every robot wherever they are: their
+station is inf here, and they are no formation neighbours.
 
 Departures from the paper: equal stations, on which it is silent, are settled by the robot index
 (the lower one has priority); the range holds both along the path and straight.
@@ -29,7 +31,7 @@ class Bodies(NamedTuple):
     twist: Rows3
     """(n, 3) v [m/s], omega [rad/s], lateral [m/s] that each is taken to keep"""
     station: FloatArray
-    """(n,) [m] along the reference path"""
+    """(n,) [m] along the reference path; inf of what is no robot"""
     facing: Rows2
     """(n, 2) cosine and sine of the headings, `physim.geometry.motion.facings`"""
     size: int
@@ -112,10 +114,16 @@ def considered_by_rank(
 ) -> int:
     """Put the rows that row ``me`` must consider into ``ranking.rows``: how many.
 
-    Those of the smallest station first: most often the nearest.
+    Those of the smallest station first: most often the nearest. What is no robot comes last.
     """
     order, rows, p, count = ranking.order, ranking.rows, ranking.place[me] + 1, 0
-    while p < ranking.size and station[order[p]] - station[me] <= reach:
+    first = ranking.size
+    while first > p and station[order[first - 1]] == np.inf:
+        first -= 1
+    while p < ranking.size:
+        if p < first and station[order[p]] - station[me] > reach:
+            p = first
+            continue
         j = order[p]
         dx, dy = pose[j, 0] - pose[me, 0], pose[j, 1] - pose[me, 1]
         rows[count] = j
@@ -135,6 +143,8 @@ def within_by_rank(me: int, ranking: Ranking, station: FloatArray, reach: float)
     while first > 0 and station[me] - station[order[first - 1]] <= reach:
         first -= 1
     while end < ranking.size and station[order[end]] - station[me] <= reach:
+        if station[order[end]] == np.inf:
+            break
         end += 1
     for k in range(pick(ranking, first, end)):
         rows[count] = rows[k]

@@ -23,7 +23,7 @@ from physim.analysis.metrics import DEFINITIONS
 from physim.cli.commands import GROUPS, app_of
 from physim.cli.help import overview, page
 from physim.parts.declarations import STANDARD_COLUMNS
-from physim.parts.registry import CONTROLLER, find_part, settings_model
+from physim.parts.registry import CONTROLLER, STAGES, find_part, settings_model, shipped_parts
 from physim.record.layout import TABLE, Attributes, AttributesModel
 from physim.statistics import clopper_pearson
 from physim.world.file.files import shipped_worlds
@@ -64,6 +64,11 @@ def keys(name: str, controller: str = "") -> str:
         assert model is not None
     else:
         model = getattr(physim.world, name)
+    return keys_of(model, controller or slug(name))
+
+
+def keys_of(model: type[BaseModel], anchor: str) -> str:
+    """Table of the keys of a model, below an anchor."""
     properties = model.model_json_schema()["properties"]
     rows = []
     for key, field in model.model_fields.items():
@@ -71,7 +76,26 @@ def keys(name: str, controller: str = "") -> str:
         default = "required" if field.is_required() else default_of(field.get_default())
         rows.append((f"`{key}`", prose(text), unit or "", default, kind(properties[key])))
     head = ("key", "meaning", "unit", "default", "type and bounds")
-    return f'<a id="key-{controller or slug(name)}"></a>\n\n{table(head, rows)}'
+    return f'<a id="key-{anchor}"></a>\n\n{table(head, rows)}'
+
+
+def stages() -> str:
+    """Every stage that ships with physim: what it does, and its keys."""
+    text = ""
+    for kind in STAGES:
+        for name in shipped_parts(kind):
+            part = find_part(kind, name)
+            text += f"\n#### `{name}` ({kind.word})\n\n{prose(part.__doc__ or '')}\n\n"
+            if (model := settings_model(part)) is None:
+                continue
+            text += keys_of(model, name)
+            inner: dict[type[BaseModel], list[str]] = {}
+            for key, field in model.model_fields.items():
+                if isinstance(field.default, BaseModel):
+                    inner.setdefault(type(field.default), []).append(f"`{key}`")
+            for one, named in inner.items():
+                text += f"\nKeys of {' and '.join(named)}:\n\n{keys_of(one, slug(one.__name__))}"
+    return text
 
 
 def slug(name: str) -> str:
@@ -313,5 +337,5 @@ def rate(runs: int, seeds: int) -> str:
     return f"{runs} of {seeds}<br>({low:.1f}–{high:.1f} %)"
 
 
-MADE = (keys, commands, record, metrics, columns, results, fields, notebook, gallery)
+MADE = (keys, stages, commands, record, metrics, columns, results, fields, notebook, gallery)
 GENERATED = {one.__name__: one for one in MADE}

@@ -316,7 +316,9 @@ def _contacts(summary: Summary) -> str:
     if not count:
         return "0"
     first = summary.value("first_contact")
-    kinds = f"{count - walls} between robots, {walls} with boundaries"
+    movers = summary.value("contacts_with_movers")
+    kinds = f"{count - walls - (movers or 0)} between robots, {walls} with boundaries"
+    kinds += "" if movers is None else f", {movers} with movers and boxes"
     return f"{count} ({kinds}), first at {first:.2f} s"
 
 

@@ -172,7 +172,7 @@ def _what_keeps(laid: Layout, record: Record, late: Absent, by: str, kept: float
     It waits for a robot that its controller considered in its last decision. A wall that is nearest
     may be one that it is ``kept`` [m] from ``by`` a setting of its controller, on the way ahead.
     """
-    i, pose = late.robot, np.asarray(record.pose[-1])
+    i, pose = late.robot, np.asarray(record.moving_pose[-1])
     is_over = record.steps_run == laid.world.time.steps
     if is_over and not late.stands and late.short > 0.0 and LITTLE <= late.pace * LATELY < np.inf:
         return f"; time.duration ends too early, it needs about {late.short / late.pace:.0f} s more"
@@ -191,7 +191,7 @@ def _what_keeps(laid: Layout, record: Record, late: Absent, by: str, kept: float
             who = "it waits for" if k in last else "nearest is" if not told else "then"
             told.append(f"{who} {describe(record.bodies[k].name)}, {away[k]:.2f} m away")
     said = f"; {', '.join(told)}"
-    if near[0] >= record.robots:
+    if near[0] >= record.moving:
         line, stop = shapely.LineString(laid.paths[i]), float(record.stop_station[i])
         ahead = substring(line, max(stop - late.short, 0.0), stop)
         room = min(ahead.distance(one) for _, one in (*laid.walls, *laid.solids))

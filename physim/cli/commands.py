@@ -25,6 +25,7 @@ GROUPS = {
     "run": {
         "list": ("listing:listing", "list worlds, controllers and other parts"),
         "run": ("run:run", "run a world; write record, video and summary"),
+        "branch": ("branch:branch", "go on from a moment of a run with something changed"),
         "summary": ("listing:summary", "print contacts, distances and times of a record"),
         "plot": ("pictures:plot", "draw the figures of a record"),
         "video": ("pictures:video", "make a film or a still of one record, or of two"),
@@ -165,7 +166,8 @@ def _run(name: str, app: App, words: list[str]) -> int:
             kept = {"out": out} if "out" in more else {}
             return int(function(*bound.args, **bound.kwargs, **kept))
     except PhysimError as error:
-        if getattr(given.get("changes"), "traceback", False) and error.__cause__ is not None:
+        told = given.get("traceback", getattr(given.get("changes"), "traceback", False))
+        if told and error.__cause__ is not None:
             traceback.print_exception(error.__cause__)
         raise
 

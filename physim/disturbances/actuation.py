@@ -83,6 +83,7 @@ class Actuation:
     def __init__(self, settings: ActuationSettings | None = None) -> None:
         self.settings = own = settings or ActuationSettings()
         self._purpose = f"actuation {own.stream}"
+        self._key = purpose_key(self._purpose)
         self._noise = np.array((own.v.noise, own.omega.noise, own.v.noise))
         self._is_off = own.v == own.omega == Errors() and not own.slip and not own.delay
 
@@ -128,7 +129,7 @@ class Actuation:
             waiting = (*rest, filtered)
         made = Made(gain, bias, self._noise, own.slip)
         at = truth.step / max(1.0, own.correlation / scene.dt)
-        key = np.array([scene.seed, purpose_key(self._purpose)], dtype=np.uint64)
+        key = np.array([scene.seed, self._key], dtype=np.uint64)
         applied = filtered.copy()
         parts, late, out = filtered.shape[1], late.reshape(-1), applied.reshape(-1)
         actuate(key, int(at), at % 1.0, who, len(who), parts, made, late, out)

@@ -116,7 +116,7 @@ class SceneModel:
             bodies=record.bodies,
             footprints=record.footprints,
             start=record.pose[0] if record.samples else nowhere,
-            **_walls(record.bodies[record.robots :], record.walls),
+            **_walls(record.bodies[record.moving :], record.walls),
             paths=_lines(record.paths),
             reference=_lines(record.reference)[0],
             stop_station=record.stop_station,

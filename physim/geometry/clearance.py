@@ -28,13 +28,13 @@ class Clearances(NamedTuple):
     """Signed distances [m] at B samples of N robots: negative = depth. Bodies by id, -1 = none."""
 
     clearance: FloatArray
-    """(B, N) to the nearest other robot, inf if there is none"""
+    """(B, N) to the nearest other body that moves, inf if there is none"""
     other: IntArray
-    """(B, N) that robot"""
+    """(B, N) that body"""
     boundary_clearance: FloatArray
     """(B, N) to the nearest wall, inf if there is none"""
     boundary_other: IntArray
-    """(B, N) body id of that wall: N + its index in ``walls``"""
+    """(B, N) body id of that wall: its index in ``walls`` and the number of bodies that move"""
     farthest: FloatArray
     """(B,) largest distance between the shapes of two robots, -inf if there is one robot only"""
     farthest_a: IntArray
@@ -46,15 +46,18 @@ class Clearances(NamedTuple):
 class ClearanceFinder:
     """Finds clearances of one run, block by block; what it learns of a block speeds up the next."""
 
-    def __init__(self, shapes: Shapes, wall_tree: WallTree) -> None:
-        robots = len(shapes.body_start) - 1
+    def __init__(self, shapes: Shapes, wall_tree: WallTree, robots: int | None = None) -> None:
+        """Bodies of these shapes, of which the first are so many ``robots``, or all of them."""
+        moving = len(shapes.body_start) - 1
+        self._robots = moving if robots is None else robots
         self._world = shapes, wall_tree, part_bodies(wall_tree.walls), bounding_discs(shapes)
-        self._known = neighbours(robots), nearest_walls(robots)
+        self._known = neighbours(moving), nearest_walls(moving)
         self.measured = 0
         """distances of two robots that were worked out for ``clearance``, over all blocks"""
 
     def find(self, poses: FloatArray) -> Clearances:
-        """Clearances of poses (B, N, 3): as `clearances` gives them, whatever was found before."""
+        """Clearances of poses (B, M, 3) of the M bodies, those of the robots: as `clearances` gives
+        them, whatever was found before."""
         samples, robots = poses.shape[:2]
         out = Clearances(
             np.empty((samples, robots)),
@@ -67,19 +70,28 @@ class ClearanceFinder:
         )
         flat = Clearances._make(array.reshape(-1) for array in out)
         rows = np.ascontiguousarray(poses).reshape(-1, 3)
-        self.measured += fill_clearances(rows, samples, *self._world, *self._known, flat)
-        return out
+        counted = self._robots, *self._world, *self._known
+        self.measured += fill_clearances(rows, samples, *counted, flat)
+        if self._robots == robots:
+            return out
+        return Clearances._make(
+            array if array.ndim == 1 else np.ascontiguousarray(array[:, : self._robots])
+            for array in out
+        )
 
 
-def clearances(poses: FloatArray, shapes: Shapes, wall_tree: WallTree) -> Clearances:
-    """Work out the clearances of poses (B, N, 3) of the N robots in ``shapes``."""
-    return ClearanceFinder(shapes, wall_tree).find(poses)
+def clearances(
+    poses: FloatArray, shapes: Shapes, wall_tree: WallTree, robots: int | None = None
+) -> Clearances:
+    """Work out the clearances of poses (B, M, 3) of the bodies in ``shapes``: of ``robots``."""
+    return ClearanceFinder(shapes, wall_tree, robots).find(poses)
 
 
 @compiled
 def fill_clearances(
     poses: Rows3,
     samples: int,
+    only: int,
     shapes: Shapes,
     wall_tree: WallTree,
     part_body: IntArray,
@@ -88,14 +100,16 @@ def fill_clearances(
     nearest: NearestWalls,
     out: Clearances,
 ) -> int:
-    """Write `clearances` of poses (B N, 3) into ``out``.
+    """Write `clearances` of poses (B N, 3) into ``out``, of the first ``only`` bodies, the robots.
 
-    ``part_body`` (P,) names the body of each wall part; ``known`` and ``nearest`` go from block to
-    block. Returns how many distances of two robots were worked out for ``clearance``.
+    What is written of the others has no meaning. ``part_body`` (P,) names the body of each wall
+    part; ``known`` and ``nearest`` go from block to block. Returns how many distances of two bodies
+    were worked out for ``clearance``.
     """
     robots, measured = discs.robots, 0
     frame, spread, rim = np.empty((robots, 6)), np.empty(robots), np.empty(robots, np.int64)
     sight = Sight(wall_tree, 0.0, 0.0, np.inf, nearest)
+    cluster = BoundingDiscs(discs.x, discs.y, discs.inner, discs.outer, only)
     for b in range(samples):
         row = robots * b
         set_frames(poses[row:], discs, frame)
@@ -103,9 +117,9 @@ def fill_clearances(
             shapes, discs, frame, known, out.clearance[row:], out.other[row:]
         )
         out.farthest[b], out.farthest_a[b], out.farthest_b[b] = farthest_pair(
-            shapes, discs, frame, spread, rim
+            shapes, cluster, frame, spread, rim
         )
-        for i in range(robots):
+        for i in range(only):
             f = frame_at(frame[i, 2], frame[i, 3], frame[i, 0], frame[i, 1])
             out.boundary_clearance[row + i], part = nearest_seen(shapes, i, f, sight)
             out.boundary_other[row + i] = robots + part_body[part] if part >= 0 else -1

@@ -86,6 +86,18 @@ def twists(command: FloatArray) -> FloatArray:
     return out
 
 
+def ended_twists(pose: FloatArray, velocity: FloatArray, dt: float) -> FloatArray:
+    """Twists (N, 3) at the end of a step of bodies, which moved with velocities (N, 3) in it.
+
+    ``pose`` (N, 3) is that at its end, the velocity that of the chord, vx, vy [m/s], omega [rad/s].
+    Exact where the twist was constant in the step.
+    """
+    half = 0.5 * velocity[:, 2] * dt
+    vx, vy = velocity[:, :2].T / np.sinc(half / np.pi)
+    c, s = np.cos(half - pose[:, 2]), np.sin(half - pose[:, 2])
+    return np.stack((c * vx - s * vy, velocity[:, 2], s * vx + c * vy), axis=1)
+
+
 def arcs(pose: FloatArray, command: FloatArray, t: float) -> FloatArray:
     """Poses (N, 3) after time t [s] of robots at poses (N, 3) with commands (N, 2 or 3)."""
     out = np.empty((len(pose), 3))

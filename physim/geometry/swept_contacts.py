@@ -69,16 +69,22 @@ class KnownRoom(NamedTuple):
     order: IntArray
     """(N,) robots by the x of the middles of their discs"""
     walls: NearestWalls
+    goes_on: Flags
+    """(N,) which of them are movers, which meet neither each other nor walls"""
     robots: int
 
 
-def no_room(shapes: Shapes) -> KnownRoom:
-    """Nothing is known of the robots of these shapes."""
+def no_room(shapes: Shapes, goes_on: Flags | None = None) -> KnownRoom:
+    """Nothing is known of the bodies of these shapes, of which those that ``goes_on`` are movers.
+
+    What is said of robots here is true of all bodies that move.
+    """
     robots = len(shapes.radius)
     apart, from_walls, reach, wall_reach = np.zeros((4, robots))
+    movers = np.zeros(robots, np.bool_) if goes_on is None else goes_on
     return KnownRoom(
         apart, from_walls, reach, wall_reach, bounding_discs(shapes), np.arange(robots),
-        nearest_walls(robots), robots,
+        nearest_walls(robots), movers, robots,
     )  # fmt: skip
 
 
@@ -253,6 +259,8 @@ def pairs_in_reach(now: Rows3, shapes: Shapes, room: KnownRoom) -> Parts:
             limit = far + discs.outer[i] + discs.outer[j]
             if dx * dx + dy * dy > limit * limit or not (is_due[i] or is_due[j]):
                 continue
+            if room.goes_on[i] and room.goes_on[j]:
+                continue
             most = reach[i] + reach[j]
             enough = max(most, bound[i] if is_due[i] else 0.0, bound[j] if is_due[j] else 0.0)
             if line_gap(shapes, i, j, frame) >= enough:
@@ -286,7 +294,9 @@ def put_walls_in_reach(
     bound, reach = room.from_walls, room.wall_reach
     sight = Sight(wall_tree, 0.0, 0.0, np.inf, room.walls)
     for i in range(room.robots):
-        if bound[i] <= 4.0 * reach[i]:
+        if room.goes_on[i]:
+            bound[i] = np.inf
+        elif bound[i] <= 4.0 * reach[i]:
             f = frame_at(math.cos(now[i, 2]), math.sin(now[i, 2]), now[i, 0], now[i, 1])
             bound[i], _ = nearest_seen(shapes, i, f, sight)
             near[i] = bound[i] <= reach[i]

@@ -58,9 +58,13 @@ def judge(
     WorldError for a faulty world.
     """
     scene = build_scene(world, seed)
-    found = read_log(Path(log), scene.names)
-    motion = motion_of(found, scene.limits, every, gaps, jumps, degrees)
-    scene = replace(scene, dt=motion.dt, steps=len(motion.pose) - 1, start=motion.pose[0])
+    robots, moving = scene.robots, scene.moving
+    found = read_log(Path(log), [body.name for body in scene.bodies[:moving]])
+    limits = np.full((moving, 2), np.inf)
+    limits[:robots] = scene.limits
+    motion = motion_of(found, limits, every, gaps, jumps, degrees)
+    start, steps = motion.pose[0, :robots], len(motion.pose) - 1
+    scene = replace(scene, dt=motion.dt, steps=steps, start=start)
     check_room(scene, 1, None)
     writer = RecordWriter(
         None, scene, scene.world.to_yaml(), accessible=scene.area.accessible_rings, record_every=1,
@@ -74,14 +78,17 @@ def judge(
 
 
 def contacts_of_poses(scene: Scene, pose: FloatArray) -> NDArray[np.void]:
-    """Rows of `CONTACT_ROW` of poses (K, N, 3), by step; no impulse is known, it is 0."""
+    """Rows of `CONTACT_ROW` of poses (K, B, 3) of all that moves, by step; no impulse is known, it
+    is 0."""
     grazes, finder = [np.zeros(0, CONTACT_ROW)], SweptContactFinder(scene)
     touching, room = [np.zeros((0, 3), dtype=np.int64)], Room()
-    size = max(2, BLOCK_POSES // scene.robots)
+    size, moving = max(2, BLOCK_POSES // scene.moving), scene.moving
+    is_mover = np.append(np.isinf(scene.mass), True)  # and so are walls: nothing holds them up
     for first in range(0, len(pose) - 1, size):
         block = np.ascontiguousarray(pose[first : first + size + 1])
         near = near_rows(block, first, scene.shapes, scene.walls, CONTACT, scene.dt, room)
-        near = near[near["distance"] <= CONTACT]
+        free = is_mover[near["a"]] & is_mover[np.minimum(near["b"], moving)]
+        near = near[(near["distance"] <= CONTACT) & ~free]
         touching.append(np.stack([near[name] for name in ("step", "a", "b")], axis=1))
         steps = enumerate(zip(block[:-1], block[1:], strict=True), first + 1)
         grazes += [finder.follow(step, old, now)[1] for step, (old, now) in steps]
@@ -106,8 +113,8 @@ def _lasting(scene: Scene, pose: FloatArray, touching: IntArray) -> NDArray[np.v
     place, found = np.zeros((len(shapes.radius), 3)), np.empty((len(every), 5))
     edges = np.flatnonzero(np.diff(step, prepend=-1, append=-1))
     for low, high in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
-        place[: scene.robots], some = pose[step[low]], found[low:high]
-        describe_contacts(shapes, faces, scene.robots, place, pairs[low:high], high - low, some)
+        place[: scene.moving], some = pose[step[low]], found[low:high]
+        describe_contacts(shapes, faces, scene.moving, place, pairs[low:high], high - low, some)
     rows["x"], rows["y"], rows["nx"], rows["ny"] = found[:, :4].T
     depth = -found[:, 4]
     rows["depth"] = np.where(rows["phase"] == Phase.ENDED, depth, np.maximum(depth, 0.0))
@@ -115,15 +122,20 @@ def _lasting(scene: Scene, pose: FloatArray, touching: IntArray) -> NDArray[np.v
 
 
 def _write_samples(writer: RecordWriter, scene: Scene, pose: FloatArray) -> None:
-    """Write poses (K, N, 3) with their clearances, and who has arrived since when."""
-    tracking = Tracking(scene.paths, scene.reference, scene.shapes.radius, pose[0])
-    arrivals, near = Arrivals(scene, tracking), ClearanceFinder(scene.shapes, scene.wall_tree)
-    since, size = np.full(scene.robots, -1, dtype=np.int64), max(1, BLOCK_POSES // scene.robots)
+    """Write poses (K, B, 3) with the clearances of robots, and who has arrived since when."""
+    robots, radius = scene.robots, scene.shapes.radius[: scene.robots]
+    tracking = Tracking(scene.paths, scene.reference, radius, scene.start)
+    arrivals = Arrivals(scene, tracking)
+    near = ClearanceFinder(scene.shapes, scene.wall_tree, robots)
+    since, size = np.full(robots, -1, dtype=np.int64), max(1, BLOCK_POSES // scene.moving)
     for first in range(0, len(pose), size):
         block = pose[first : first + size]
-        steps, arrived = np.arange(first, first + len(block)), np.zeros(block.shape[:2], np.bool_)
+        steps, arrived = (
+            np.arange(first, first + len(block)),
+            np.zeros((len(block), robots), np.bool_),
+        )
         for step in steps[steps > 0].tolist():
-            arrivals.follow(tracking, step, pose[step])
+            arrivals.follow(tracking, step, np.ascontiguousarray(pose[step, :robots]))
             arrived[step - first] = arrivals.arrived
         since = later_since(since, first, arrived)
         writer.note_arrived(since)

@@ -46,10 +46,10 @@ LONGEST_HOLD = 10**9
 
 @dataclass(frozen=True)
 class ObservedRobot:
-    """Another robot within range, as Robot i perceives it."""
+    """Another robot within range, or another body that moves, as Robot i perceives it."""
 
     index: int
-    """number of that robot, from 0"""
+    """number of that body, from 0; those of robots first"""
     pose: FloatArray
     """(3,) x, y [m], heading [rad], world frame"""
     footprint: tuple[FloatArray, ...]
@@ -64,6 +64,9 @@ class ObservedRobot:
     """[m] along the reference path"""
     time: float
     """[s] time of this state, as far as it is known"""
+    kind: Literal["robot", "mover", "obstacle"] = "robot"
+    """``mover``: it follows a timed path and never gives way; ``obstacle``: it can be pushed; both
+    have no command, and the station of the nearest point of the reference path"""
 
 
 @dataclass(frozen=True)
@@ -137,7 +140,7 @@ class Observation:
     neighbours: tuple[Neighbour, ...]
     """formation neighbours, by index"""
     others: tuple[ObservedRobot, ...]
-    """robots within ``range``, by index"""
+    """robots within ``range``, by index; then movers and obstacles that can be pushed"""
     walls: tuple[Wall, ...]
     """pieces of boundaries and obstacles within ``range`` of the reference point, in the world's
     order"""
@@ -219,7 +222,7 @@ class Decision:
     rule: str | Rule | None = None
     """a declared `Rule`, or its name"""
     considered: Sequence[int] = ()
-    """indices of the robots that the decision took into account"""
+    """indices of the robots and other bodies that the decision took into account"""
     report: Mapping[str, float] = field(default_factory=dict)
     """numbers by the names of the declared columns"""
 
@@ -279,7 +282,11 @@ class ChecksRobots(Protocol):
 
 
 class Snapshot(NamedTuple):
-    """All robots at one sample, as they are. Arrays never change once they are handed out."""
+    """All that moves at one sample, as it is. Arrays never change once they are handed out.
+
+    Of N robots; of all B bodies that move, robots first, then movers, then obstacles that can be
+    pushed, the arrays ``moving_…``, which are the same ones where there are robots alone.
+    """
 
     step: int
     """number of the sample"""
@@ -296,10 +303,21 @@ class Snapshot(NamedTuple):
     """(N,) [m] from the own path, left positive"""
     reference_station: FloatArray
     """(N,) [m] projection on s*"""
+    moving_pose: FloatArray
+    """(B, 3) x, y [m], heading [rad], world frame"""
+    moving_velocity: FloatArray
+    """(B, 3) over the last step: vx, vy [m/s], omega [rad/s], world frame; 0 at the start"""
+    moving_command: FloatArray
+    """(B, 2) as ``command``, 0 of what is no robot"""
+    moving_station: FloatArray
+    """(B,) [m] as ``reference_station``, of what is no robot that of the nearest point of s*"""
 
 
 class Sensed(NamedTuple):
     """What robots know at one step: rows of bodies, of which observer i has ``rows(i)``.
+
+    Movers and obstacles that can be pushed have rows, too: their numbers ``robot`` follow those of
+    the N robots, their command is 0, and their station on s* is that of the nearest point of it.
 
     Where all know the same, every observer has all rows, and nothing is copied. Among its rows
     every observer has one of itself. Arrays must not be written to.
@@ -308,7 +326,7 @@ class Sensed(NamedTuple):
     step: int
     """number of the sample"""
     robot: IntArray
-    """(M,) index of the robot that the row is about"""
+    """(M,) index of the robot, or other body that moves, that the row is about"""
     pose: FloatArray
     """(M, 3) x, y [m], heading [rad], world frame"""
     command: FloatArray

@@ -93,13 +93,15 @@ class Step(NamedTuple):
     applied: FloatArray
     """(N, 2) after the disturbances: what the bodies are driven by"""
     pose: FloatArray
-    """(N, 3) at the sample after the step, as contacts allow"""
+    """(N, 3) of robots at the sample after the step, as contacts allow"""
     contacts: NDArray[np.void]
     """rows, as `Record.contacts`, of that sample, and last the grazes of the step"""
     false_contacts: NDArray[np.void]
     """rows, as `Record.false_contacts`, of that sample"""
     arrived: NDArray[np.bool_]
     """(N,) which robots have arrived at that sample"""
+    moving_pose: FloatArray
+    """(B, 3) of all that moves at that sample, robots first"""
 
 
 @runtime_checkable
@@ -123,15 +125,21 @@ def everybody(truth: Snapshot, rows: tuple[IntArray, IntArray, IntArray, FloatAr
     """What is sensed where everybody knows the truth: no copy; ``rows`` are those of `shared`."""
     robot, first, end, age = rows
     return Sensed(
-        truth.step, robot, truth.pose, truth.command, truth.velocity, truth.reference_station, age,
-        first, end, truth.station,
+        truth.step, robot, truth.moving_pose, truth.moving_command, truth.moving_velocity,
+        truth.moving_station, age, first, end, truth.station,
     )  # fmt: skip
 
 
-def shared(robots: int) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
-    """Robot, first, end and age of rows that all of N observers share."""
-    robot = np.arange(robots)
-    first, end, age = np.zeros(robots, np.int64), np.full(robots, robots), np.zeros(robots)
+def shared(
+    robots: int, moving: int | None = None
+) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+    """Robot, first, end and age of rows about all that moves, which all of N observers share.
+
+    Without ``moving`` the robots are all that does.
+    """
+    moving = robots if moving is None else moving
+    robot = np.arange(moving)
+    first, end, age = np.zeros(robots, np.int64), np.full(robots, moving), np.zeros(moving)
     return read_only(robot), read_only(first), read_only(end), read_only(age)
 
 

@@ -24,7 +24,9 @@ def followed(record: Record) -> FloatArray:
     pose = record.pose
     if not len(pose):
         return np.zeros((0, record.robots, 3))
-    tracking = Tracking(record.paths, record.reference, record.shapes.radius, pose[0])
+    tracking = Tracking(
+        record.paths, record.reference, record.shapes.radius[: record.robots], pose[0]
+    )
     if record.begun_at:  # the nearest point of the path may lie on another branch of it
         tracking.stations = read_only(record.begun_along.T.copy())
     if len(pose) > record.steps_made:

@@ -8,7 +8,7 @@ angles radians, times seconds, in the world frame; steps count from 0, the start
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import (
     Annotated,
@@ -44,9 +44,9 @@ from physim.world.scene import Body
 T = TypeVar("T")
 Rows = NDArray[np.void]
 Bound = float | str | None
-"""Least or greatest value of a column: a number, or the highest number of ``robots``, ``bodies``,
-``modes``, ``rules`` or ``steps`` that there are; as the least also another column, which it is
-above. None: any value, NaN too."""
+"""Least or greatest value of a column: a number, or the highest number of ``robots``, ``moving``,
+``bodies``, ``modes``, ``rules`` or ``steps`` that there are; as the least also another column,
+which it is above. None: any value, NaN too."""
 
 Format = Literal["physim-record"]
 Version = Literal["5"]
@@ -68,15 +68,44 @@ STRONGEST = 1.0e15
 # Attributes
 
 
+STANDING = ("boundary", "obstacle")
+
+
+def moving(bodies: tuple[Body, ...]) -> int:
+    """How many bodies move: those before the first boundary, but for obstacles without one."""
+    kinds = [body.kind for body in bodies]
+    if "boundary" in kinds:
+        return kinds.index("boundary")
+    return len(kinds) - kinds.count("obstacle")
+
+
 def numbered(bodies: tuple[Body, ...]) -> tuple[Body, ...]:
-    """Return bodies that stand each at the place of its id, robots first. Raises ValueError."""
-    robots = sum(body.kind == "robot" for body in bodies)
+    """Return bodies that stand each at the place of its id, in their order: robots, movers, what
+    stands and what can be pushed. Raises ValueError."""
+    robots, movers = (sum(body.kind == kind for body in bodies) for kind in ("robot", "mover"))
     for k, body in enumerate(bodies):
-        kinds = ("robot",) if k < robots else ("boundary", "obstacle")
+        kinds = ("robot",) if k < robots else ("mover",) if k < robots + movers else STANDING
         if body.id != k or body.kind not in kinds or not body.name.isprintable():
             raise ValueError(f"row {k} is {body}; it must have this id and be {' or '.join(kinds)}")
     return bodies
 
+
+@dataclass(frozen=True)
+class Origin:
+    """The run that a branch went on from, at its first sample."""
+
+    digest: Annotated[str, Field(pattern="^([0-9a-f]{64})?$")] = ""
+    """that of its record; empty where the run is no branch of a record"""
+    changed: dict[Line, tuple[Line, Line]] = field(default_factory=dict)
+    """value of a key of the world before and after, for each that was changed"""
+
+    def __str__(self) -> str:
+        """What was changed, in words."""
+        words = [f"{key} from {before} to {after}" for key, (before, after) in self.changed.items()]
+        return ", ".join(words) or "nothing"
+
+
+NO_ORIGIN = Origin()
 
 Whole = Annotated[int, Field(strict=True, ge=0, le=2**63 - 1)]
 Steps = Annotated[int, Field(strict=True, ge=0, le=MOST_STEPS)]
@@ -145,7 +174,8 @@ class Attributes:
     bodies: Annotated[
         Json[tuple[Body, ...]],
         AfterValidator(numbered),
-        "JSON list: id, kind and name of robots, boundaries, obstacles",
+        "JSON list: id, kind and name of robots, movers, obstacles that can be pushed, boundaries, "
+        "other obstacles",
     ]
     declared: Annotated[
         Json[Declared],
@@ -155,21 +185,25 @@ class Attributes:
         Json[tuple[GivenSettings, ...]],
         "JSON list: for each part in given, what differs from its defaults and what is not known",
     ]
+    origin: Annotated[
+        Json[Origin],
+        Field(default=NO_ORIGIN),
+        "of a branch alone, JSON object: digest of the record that it went on from, and changed, "
+        "for each key of the world that is another [before, after]",
+    ]
     versions: Annotated[
         Json[dict[str, str]], "JSON object: versions of physim and its libraries, and the processor"
     ]
     judged: Annotated[
         Json[Judged] | None,
+        Field(default=None),
         "of a log that was judged alone, JSON object: which, and what was done to it; commands, "
         "decisions, modes and impulses are not known then",
-    ] = None
+    ]
 
 
 _HINTS = get_type_hints(Attributes, include_extras=True)
-_FIELDS: dict[str, Any] = {
-    name: (hint, getattr(Attributes, name, ...)) for name, hint in _HINTS.items()
-}
-AttributesModel = create_model("AttributesModel", **_FIELDS)
+AttributesModel = create_model("AttributesModel", **_HINTS)
 """Checks all of them at once."""
 
 
@@ -216,9 +250,9 @@ class Dataset(Property[T]):
     """A dataset of the file, all of its rows.
 
     ``row`` are the columns of its rows, or their type; of a plain type ``least`` and ``most``
-    bound the values. ``shape`` names its sizes: N robots, W boundaries and obstacles, K samples, M
-    rows; others are free. ``starts`` is the path of packed items whose runs begin where it says,
-    each of ``fewest`` items or more.
+    bound the values. ``shape`` names its sizes: N robots, B bodies that move, W boundaries and
+    obstacles that stand, K samples, M rows; others are free. ``starts`` is the path of packed items
+    whose runs begin where it says, each of ``fewest`` items or more.
     """
 
     def __init__(
@@ -316,7 +350,7 @@ _STEP = Column("step", "<i8", "", "physics step", 0, "steps")
 _ROBOT = Column("robot", "<i4", "", "which robot", 0, "robots")
 _PAIR = (
     _STEP,
-    Column("a", "<i4", "", "robot", 0, "robots"),
+    Column("a", "<i4", "", "body that moves", 0, "moving"),
     Column("b", "<i4", "", "other body, a < b", "a", "bodies"),
 )
 
@@ -338,7 +372,7 @@ DECISION = (
     Column("reference_station", "<f8", "m", "along the reference path"),
     Column("formation_error", "<f8", "m", "formation error"),
     Column("deviation", "<f8", "m", "from its own path, left positive"),
-    Column("considered", "<i4", "", "how many robots it considered", 0, "robots"),
+    Column("considered", "<i4", "", "how many bodies it considered", 0, "moving"),
     Column("next_step", "<i8", "", "step of its next decision", "step"),
 )
 _WHEN, _WHO = "physics step, -1 for never", "which, -1 for none"
@@ -357,9 +391,11 @@ class Layout(Attributes):
         "desired lead over the first robot along the reference path", "m", -FAR, FAR,
     )  # fmt: skip
     shapes = _shapes(
-        "/footprints", "N+1", 3, "corners of the convex parts of robots, in their frames"
+        "/footprints", "B+1", 3, "corners of the convex parts of what moves, in the own frames"
     )
-    walls = _shapes("/walls", "W+1", 2, "corners of the parts of boundaries and obstacles")
+    walls = _shapes(
+        "/walls", "W+1", 2, "corners of the parts of boundaries and obstacles that stand"
+    )
     paths = _lines("/paths", "N+1", 2, "own path of each robot", _polylines)
     reference = _lines("/reference", "2", 2, "the reference path s*", _polylines)
     accessible = _lines("/areas/accessible", "R+1", 3, "rings of the accessible area", _runs)
@@ -367,9 +403,9 @@ class Layout(Attributes):
     extremes = Dataset[Rows](
         "/extremes", "N",
         (
-            Column("clearance", "<f8", "m", "least distance to a robot, inf alone", -FAR, np.inf),
+            Column("clearance", "<f8", "m", "least to what moves, inf alone", -FAR, np.inf),
             Column("clearance_step", "<i8", "", _WHEN, -1, "steps"),
-            Column("clearance_other", "<i4", "", _WHO, -1, "robots"),
+            Column("clearance_other", "<i4", "", _WHO, -1, "moving"),
             Column("boundary_clearance", "<f8", "m", "to a wall, inf without", -FAR, np.inf),
             Column("boundary_step", "<i8", "", _WHEN, -1, "steps"),
             Column("boundary_other", "<i4", "", _WHO, -1, "bodies"),
@@ -411,8 +447,8 @@ class Layout(Attributes):
     )  # fmt: skip
     considering = Dataset[Rows](
         "/considered", "M",
-        (_STEP, _ROBOT, Column("count", "<i4", "", "how many robots", 0, "robots")),
-        "how many robots each decision considered",
+        (_STEP, _ROBOT, Column("count", "<i4", "", "how many bodies", 0, "moving")),
+        "how many robots and other bodies each decision considered",
     )  # fmt: skip
     contacts = Dataset[Rows](
         "/contacts", "M",
@@ -436,8 +472,8 @@ class Layout(Attributes):
         "contacts that the engine reported and the exact distance refuted",
     )  # fmt: skip
     others = Dataset[NDArray[Any]](
-        "/considered_others", "M", "<i4", "the robots that were considered, decision after "
-        "decision, as many as /considered counts", "", 0, "robots",
+        "/considered_others", "M", "<i4", "the bodies that were considered, decision after "
+        "decision, as many as /considered counts", "", 0, "moving",
     )  # fmt: skip
     sensed = Dataset[Rows](
         "/sensed", "M",
@@ -461,13 +497,14 @@ class Layout(Attributes):
     steps = Dataset[IntArray](
         "/steps/step", "K", "<i8", "physics step of each sample, from begun_at", "", 0, MOST_STEPS
     )
-    pose = Dataset[FloatArray](
-        "/steps/pose", "K N 3", "<f8", "x, y, heading, unwrapped", "m, m, rad", -FAR, FAR
-    )
+    moving_pose = Dataset[FloatArray](
+        "/steps/pose", "K B 3", "<f8", "x, y, heading, unwrapped, of all that moves, robots first",
+        "m, m, rad", -FAR, FAR,
+    )  # fmt: skip
     clearance = Dataset[FloatArray](
         "/steps/clearance", "K N", "<f8",
-        "to the nearest other robot, negative = depth, inf alone; of a coarse record the least "
-        "since the sample before", "m", -FAR, np.inf,
+        "to the nearest other body that moves, negative = depth, inf alone; of a coarse record the "
+        "least since the sample before", "m", -FAR, np.inf,
     )  # fmt: skip
     boundary_clearance = Dataset[FloatArray](
         "/steps/boundary_clearance", "K N", "<f8",
@@ -510,13 +547,14 @@ def held(tables: Sequence[str]) -> dict[str, Dataset[Any]]:
     return {path: one for path, one in TABLE.items() if path[1:] != SENSED or SENSED in tables}
 
 
-def row_types(robots: int, columns: Sequence[str]) -> dict[str, np.dtype[Any]]:
-    """Type and shape of a row of each dataset that grows, for N robots and declared columns."""
+def row_types(robots: int, moving: int, columns: Sequence[str]) -> dict[str, np.dtype[Any]]:
+    """Type and shape of a row of each dataset that grows, for N robots, B bodies that move and
+    declared columns."""
     types: dict[str, np.dtype[Any]] = {path: TABLE[path].dtype for path in TABLES}
     types[Layout.updates.path] = update_type(columns)
     types[Layout.state_bytes.path] = np.dtype("u1")
-    types[OTHERS] = np.dtype("<u2" if robots <= 1 << 16 else "<i4")
-    sizes = {"N": robots, "3": 3}
+    types[OTHERS] = np.dtype("<u2" if moving <= 1 << 16 else "<i4")
+    sizes = {"N": robots, "B": moving, "3": 3}
     for path in STEPS:
         rest = tuple(sizes[size] for size in TABLE[path].shape[1:])
         types[path] = np.dtype((TABLE[path].dtype, rest))

@@ -73,16 +73,22 @@ class Record(layout.Layout):
         self._handle = file
         vars(self).update(attributes_of(file, self.where))
         self.robots = sum(body.kind == "robot" for body in self.bodies)
+        self.moving = layout.moving(self.bodies)
+        """number of bodies that move, B: robots, movers, obstacles that can be pushed"""
         bodies, declared = len(self.bodies), self.declared
         if not _just_made:
-            sizes = {"N": self.robots, "N+1": self.robots + 1, "W+1": bodies - self.robots + 1}
-            types = layout.row_types(self.robots, [column.name for column in declared.columns])
+            sizes = {"N": self.robots, "N+1": self.robots + 1, "B": self.moving}
+            sizes |= {"B+1": self.moving + 1, "W+1": bodies - self.moving + 1}
+            types = layout.row_types(
+                self.robots, self.moving, [column.name for column in declared.columns]
+            )
             held = layout.held(self.tables)
             check_datasets(file, self.where, held, {**sizes, "2": 2, "3": 3}, types)
         self.samples = min(len(file[path]) for path in layout.STEPS)
         """how many samples were recorded"""
         self._highest = {
             "robots": self.robots - 1,
+            "moving": self.moving - 1,
             "bodies": bodies - 1,
             "modes": len(declared.modes) - 1,
             "rules": len(declared.rules) - 1,
@@ -134,7 +140,7 @@ class Record(layout.Layout):
             shape = one.shape[:2] if isinstance(one, layout.Dataset) else ()
             if (
                 name != layout.SENSED
-                and shape not in (("K", "N"), ("S",))
+                and shape not in (("K", "N"), ("K", "B"), ("S",))
                 and (isinstance(one, layout.Property))
             ):
                 getattr(self, name)
@@ -233,6 +239,14 @@ class Record(layout.Layout):
         world's own controller."""
         return dict(self.given).get("controller", "")
 
+    @property
+    def controller_name(self) -> str:
+        """The world's own controller: ``module:Class`` of one given from Python, or as the world
+        inside names it; empty where there is no text of a world."""
+        if self.controller or not self.world_text.strip():
+            return self.controller
+        return self.world.controller.type
+
     @cached_property
     def setup(self) -> Setup:
         """Controller, stages and versions of the run. RecordError where its world is no YAML."""
@@ -311,20 +325,28 @@ class Record(layout.Layout):
         """Physics steps from the first sample to the last."""
         return self.steps_run - self.begun_at
 
+    @cached_property
+    def pose(self) -> FloatArray:
+        """(K, N, 3) [m, m, rad] x, y, heading, unwrapped, of the robots."""
+        if self.moving == self.robots:
+            return self.moving_pose
+        return read_only(np.ascontiguousarray(self.moving_pose[:, : self.robots]))
+
     def pose_at(self, step: int) -> FloatArray:
-        """(N, 3) poses at a recorded step. Raises RecordError for a step that is not recorded."""
+        """(B, 3) poses of all that moves at a recorded step, robots first. Raises RecordError for a
+        step that is not recorded."""
         row = int(np.searchsorted(self.steps, step))
         if row == self.samples or self.steps[row] != step:
             closest = self.steps[np.argmin(np.abs(self.steps - step))] if self.samples else "none"
             raise RecordError(f"{self.where}: step {step} is not recorded; nearest: {closest}")
-        block, place = divmod(row, max(1, POSE_BLOCK // self.robots))
+        block, place = divmod(row, max(1, POSE_BLOCK // self.moving))
         pose: FloatArray = self._pose_block(block)[place]
         return pose
 
     @cached_property
     def _pose_block(self) -> Callable[[int], FloatArray]:
         """Reads a block of the poses by its number; the last few are kept."""
-        rows, path = max(1, POSE_BLOCK // self.robots), layout.Layout.pose.path
+        rows, path = max(1, POSE_BLOCK // self.moving), layout.Layout.moving_pose.path
         return lru_cache(POSE_BLOCKS)(lambda k: self.read(path, k * rows, (k + 1) * rows))
 
     @cached_property

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from physim.record.layout import NO_ORIGIN, Origin
 from physim.units import joined
 from physim.world.group import drivers_of
 from physim.world.kinds import MOST_ROBOTS
@@ -69,6 +70,10 @@ class Setup:
     """of physim and its libraries; empty where the record does not say"""
     names: tuple[str, ...] = ()
     """of the robots"""
+    origin: Origin = NO_ORIGIN
+    """of a branch: of which record, and what was changed"""
+    begun: float = 0.0
+    """[s] of the first sample"""
     judged: Judged | None = None
     """the log that was judged, where no run made the poses"""
 
@@ -96,6 +101,9 @@ class Setup:
             each = (f"{part} for {self.who(some)}" for part, some in self.controllers)
             controllers = "; ".join(each)
         found = [("controller", controllers), *stages, ("from Python", ", ".join(self.others))]
+        if (origin := self.origin).digest:
+            words = f"record {origin.digest[:12]} from {self.begun:g} s on; changed: {origin}"
+            found.append(("branch of", words))
         if self.judged is not None:
             told = f"the poses of {self.judged.source}: {'; '.join(self.judged.notes)}"
             found = [("judged", told), ("not known", NOT_KNOWN)]
@@ -105,6 +113,8 @@ class Setup:
         """Controller and stages with their settings, and what came from Python, for JSON."""
         stages = {word: [part.to_dict() for part in parts] for word, parts in self.stages.items()}
         found = {"controller": self.controller.to_dict(), **stages, "from_python": self.others}
+        if self.origin.digest:
+            found["branch_of"] = asdict(self.origin) | {"time_s": self.begun}
         if self.judged is not None:
             found = {"judged": asdict(self.judged), "not_known": NOT_KNOWN}
         if len(self.controllers) > 1:
@@ -132,7 +142,7 @@ def setup_of(record: Record) -> Setup:
     if record.judged is not None:  # the world's parts did not act
         whole = ((Part(f"log {record.judged.source}", {}), tuple(range(record.robots))),)
         nothing: dict[str, tuple[Part, ...]] = dict.fromkeys(STAGES, ())
-        return Setup(whole, nothing, (), record.versions, record.names, record.judged)
+        return Setup(whole, nothing, (), record.versions, record.names, judged=record.judged)
     own = dict(parts).get("controller") or _part(world.get("controller"), ControllerChoice().type)
     entries = world.get("robots")
     named: list[tuple[tuple[str, Mapping[str, Any]] | None, int]] = []
@@ -159,6 +169,8 @@ def setup_of(record: Record) -> Setup:
         others=tuple(f"{kind} {part}" for kind, part in parts if kind != "controller"),
         versions=record.versions,
         names=record.names,
+        origin=record.origin,
+        begun=record.begun,
     )
 
 

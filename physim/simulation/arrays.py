@@ -56,10 +56,11 @@ class Arrays(NamedTuple):
     ``deviation`` [m] from the path, to the left positive; then x, y [m] of the A points ahead on
     its path.
 
-    ``others`` (N, K, 7): the nearest robots within range, by the distance of reference points, the
-    nearest first: ``x``, ``y`` [m] of that point; ``cos``, ``sin`` of its heading less the own;
-    ``vx``, ``vy`` [m/s], its velocity less the own; ``gap`` [m], signed distance of the footprints,
-    negative where they overlap. ``others_mask`` (N, K): which rows there are; these are first.
+    ``others`` (N, K, 7): the nearest robots and other bodies that move within range, by the
+    distance of reference points, the nearest first: ``x``, ``y`` [m] of that point; ``cos``,
+    ``sin`` of its heading less the own; ``vx``, ``vy`` [m/s], its velocity less the own; ``gap``
+    [m], signed distance of the footprints, negative where they overlap. ``others_mask`` (N, K):
+    which rows there are; these are first.
 
     ``walls`` (N, M, 3): the nearest pieces of walls within range of the reference point, the
     nearest first: ``x``, ``y`` [m] of the point of each that is nearest to the reference point;

@@ -54,10 +54,11 @@ def still_steps(dt: float) -> int:
 def most_beside(shapes: Shapes, deviation: FloatArray) -> FloatArray:
     """(N,) [m] that robots which arrive may be beside their stops.
 
-    ``shapes`` are the N footprints; ``deviation`` (N,) [m] from their paths at the start.
+    ``shapes`` begin with the N footprints; ``deviation`` (N,) [m] from their paths at the start.
     """
     y, first = shapes.vertices[:, 1], shapes.part_start[shapes.body_start[:-1]]
     width = np.maximum.reduceat(y, first) - np.minimum.reduceat(y, first)
+    width = width[: len(deviation)]
     return np.maximum(np.abs(deviation), 0.5 * width)
 
 
@@ -70,7 +71,7 @@ class Arrivals:
     def __init__(self, scene: Scene, tracking: Tracking) -> None:
         stop, tolerance = scene.stop_station, scene.arrival_tolerance
         beside = most_beside(scene.shapes, tracking.deviation) + LENGTH
-        near = still_distances(scene.shapes.radius)
+        near = still_distances(scene.shapes.radius[: scene.robots])
         bounds = stop - tolerance, stop + tolerance, beside**2, near**2
         self.bounds = np.stack(bounds, axis=1)
         """(N, 4) least and greatest station [m], squares of how far beside and how far moved"""

@@ -144,7 +144,7 @@ def next_steps(scene: Scene, step: int, d: Decisions, declared: Declared) -> Int
     """
     steps = np.empty(len(d.robot), np.int64)
     modes, rules = len(declared.modes), len(declared.rules)
-    allowed = Allowed(scene.limits, scene.robots, modes, rules, scene.dt)
+    allowed = Allowed(scene.limits, scene.moving, modes, rules, scene.dt)
     what, k, column = decision_fault(d, len(d.robot), len(d.considered), allowed, step, steps)
     if not what:
         return steps
@@ -164,7 +164,7 @@ def next_steps(scene: Scene, step: int, d: Decisions, declared: Declared) -> Int
     else:
         listed = d.considered[d.considered_start[k] : d.considered_start[k + 1]].tolist()
         text = (
-            f"considered is {listed}; it must list robots 0 to {scene.robots - 1}, each once, and "
+            f"considered is {listed}; it must list robots 0 to {scene.moving - 1}, each once, and "
             f"others than the robot itself, which is {robot}"
         )
     raise ControllerError(f"{scene.names[robot]} at {step * scene.dt:g} s: {text}")
@@ -175,7 +175,7 @@ class Allowed(NamedTuple):
 
     limits: Rows2
     """(N, 2)"""
-    robots: int
+    moving: int
     modes: int
     rules: int
     dt: float
@@ -192,7 +192,7 @@ def decision_fault(
     start, limits = d.considered_start, allowed.limits
     if start[0] != 0 or start[many] != listed:
         return PARTED, 0, 0
-    seen = np.full(allowed.robots, -1, np.int64)  # the row that considered each robot last
+    seen = np.full(allowed.moving, -1, np.int64)  # the row that considered each robot last
     for k in range(many):
         for column in range(2):
             if not abs(d.command[k, column]) <= limits[d.robot[k], column] * (1.0 + SHARE):
@@ -209,7 +209,7 @@ def decision_fault(
             return PARTED, k, 0
         for m in range(start[k], start[k + 1]):
             j = d.considered[m]
-            if not 0 <= j < allowed.robots or j == d.robot[k] or seen[j] == k:
+            if not 0 <= j < allowed.moving or j == d.robot[k] or seen[j] == k:
                 return CONSIDERED, k, 0
             seen[j] = k
     return 0, 0, 0
@@ -255,16 +255,17 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
             raise ControllerError(f"{name} has the shape {values.shape}; it must be {shape}")
         arrays[name] = values
     sensed = Sensed(given.step, **arrays)
-    robot, robots, names = sensed.robot, scene.robots, scene.names
-    if len(robot) > robots**2:
+    robot, robots, moving = sensed.robot, scene.robots, scene.moving
+    names = [body.name for body in scene.bodies[:moving]]
+    if len(robot) > robots * moving:
         raise ControllerError(
-            f"{len(robot)} rows; {robots} robots have use for {robots**2} at most"
+            f"{len(robot)} rows; {robots} robots have use for {robots * moving} at most"
         )
-    if len(robot) and not 0 <= robot.min() <= robot.max() < robots:
+    if len(robot) and not 0 <= robot.min() <= robot.max() < moving:
         raise ControllerError(
-            f"robot holds an index that does not exist; allowed: 0 to {robots - 1}"
+            f"robot holds an index that does not exist; allowed: 0 to {moving - 1}"
         )
-    i, j = rows_fault(robot, len(robot), sensed.first, sensed.end, robots)
+    i, j = rows_fault(robot, len(robot), sensed.first, sensed.end, robots, moving)
     if i < 0:
         return sensed
     if j < 0:
@@ -280,11 +281,11 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
 
 @compiled
 def rows_fault(
-    robot: IntArray, rows: int, first: IntArray, end: IntArray, robots: int
+    robot: IntArray, rows: int, first: IntArray, end: IntArray, robots: int, moving: int
 ) -> tuple[int, int]:
     """First observer whose rows are wrong: (i, -1) they are not there, (i, i) it has not one of
     itself, (i, j) it has several of another; (-1, -1) where none is."""
-    seen = np.full(robots, -1, np.int64)
+    seen = np.full(moving, -1, np.int64)
     for i in range(robots):
         if not 0 <= first[i] <= end[i] <= rows:
             return i, -1

@@ -120,7 +120,7 @@ class OneByOne:
         name, ask, robots = (
             type(self.controller).__name__,
             self.controller.decide,
-            view.scene.robots,
+            view.scene.moving,
         )
         for i in due.tolist():
             with naming(f"controller {name}, {view.scene.names[i]} at {view.time:g} s", ask):
@@ -189,8 +189,8 @@ class Row(NamedTuple):
     report: list[float]
 
 
-def decision_row(decision: object, declared: Declared, robots: int) -> Row:
-    """Numbers of a decision of one among ``robots``.
+def decision_row(decision: object, declared: Declared, bodies: int) -> Row:
+    """Numbers of a decision of one among so many ``bodies`` that move.
 
     Raises ControllerError when it is no Decision, when one of its fields is of a wrong type, or
     names what the controller has not declared.
@@ -198,7 +198,7 @@ def decision_row(decision: object, declared: Declared, robots: int) -> Row:
     if not isinstance(decision, Decision):
         raise ControllerError(f"decide returned {kind_of(decision)}; it must return a Decision")
     try:
-        considered = [index(j) for j in islice(decision.considered, robots + 1)]
+        considered = [index(j) for j in islice(decision.considered, bodies + 1)]
     except TypeError:
         raise ControllerError(
             f"considered is {_quoted(decision.considered)}; it must list robots by index"

@@ -37,7 +37,7 @@ def packed(state: SimulationState) -> bytes:
     tree = json.dumps(_tree(state, "state", arrays))
     file = io.BytesIO()
     named = {f"array{k}": array for k, array in enumerate(arrays)}
-    np.savez(file, tree=np.frombuffer(tree.encode(), np.uint8), **named)  # type: ignore[arg-type]
+    np.savez_compressed(file, tree=np.frombuffer(tree.encode(), np.uint8), **named)  # type: ignore[arg-type]
     return file.getvalue()
 
 
@@ -84,8 +84,10 @@ def _tree(value: Any, where: str, arrays: list[NDArray[Any]]) -> Any:
     if value is None or isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, np.ndarray) and value.dtype != object:
-        arrays.append(value)
-        return {"array": len(arrays) - 1}
+        at = next((k for k, one in enumerate(arrays) if one is value), len(arrays))
+        if at == len(arrays):
+            arrays.append(value)
+        return {"array": at}
     if type(value).__name__ in KINDS and type(value) is KINDS[type(value).__name__]:
         names = value._fields if isinstance(value, tuple) else [one.name for one in fields(value)]
         inner = {name: _tree(getattr(value, name), f"{where}.{name}", arrays) for name in names}

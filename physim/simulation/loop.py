@@ -19,7 +19,7 @@ from numpy.typing import DTypeLike, NDArray
 from physim.contacts import CONTACT_ROW
 from physim.errors import ControllerError, PhysimError, WorldError, plural
 from physim.geometry.clearance import ClearanceFinder, Clearances
-from physim.geometry.path import Tracking
+from physim.geometry.path import Tracking, project
 from physim.geometry.shapes import FloatArray, locked, read_only
 from physim.parts.controller import FASTEST, Controller, Observation, Sensed, Snapshot
 from physim.parts.declarations import NO_NUMBER, Declared
@@ -156,7 +156,8 @@ class Simulation:
 
     @property
     def clearance(self) -> FloatArray:
-        """(N,) [m] signed distance of each robot from the nearest other one; inf without others."""
+        """(N,) [m] signed distance of each robot from the nearest other body that moves; inf
+        without others."""
         return np.asarray(self._distances.clearance[0])
 
     @property
@@ -317,17 +318,27 @@ class Simulation:
     def _arrive(self, step: int, nominal: FloatArray) -> None:
         """Take up the sample to which the physics brought the robots."""
         pose = read_only(self.physics.pose)
-        velocity, grazes = self._swept.follow(step, self.now.pose, pose)
+        velocity, grazes = self._swept.follow(step, self.now.moving_pose, pose)
         if len(grazes):  # which the engine cannot see
             self.physics.contacts = np.concatenate(
                 (self.physics.contacts, grazes), dtype=CONTACT_ROW
             )
-        self._arrivals.follow(self._tracking, step, pose)
+        self._arrivals.follow(self._tracking, step, pose[: self.scene.robots])
         self._take(step, pose, nominal, read_only(velocity))
 
     def _take(self, step: int, pose: FloatArray, nominal: FloatArray, velocity: FloatArray) -> None:
-        along = self._tracking.stations
-        self.now = Snapshot(step, pose, nominal, velocity, along[0], along[1], along[2])
+        along, n = self._tracking.stations, self.scene.robots
+        command, station = nominal, along[2]
+        moving = pose, velocity
+        if len(pose) > n:
+            pose, velocity = (read_only(array[:n]) for array in moving)
+            others, line = moving[0][n:].tolist(), self.scene.reference
+            found = [project(line, 0, x, y, -np.inf, np.inf)[0] for x, y, _ in others]
+            station = read_only(np.concatenate((station, found)))
+            command = read_only(np.pad(nominal, ((0, len(others)), (0, 0))))
+        self.now = Snapshot(
+            step, pose, nominal, velocity, along[0], along[1], along[2], *moving, command, station
+        )
         self._sensed = None
 
     def _report(self) -> None:
@@ -357,7 +368,7 @@ class Simulation:
             truth, known[0] if known else everybody(truth, self._shared), decided.decisions,
             decided.next_step, decided.nominal, filtered, applied, self.now.pose,
             locked(self.physics.contacts), locked(self.physics.false_contacts),
-            self._arrivals.arrived,
+            self._arrivals.arrived, self.now.moving_pose,
         )  # fmt: skip
 
     # State
@@ -390,7 +401,7 @@ class Simulation:
         self.physics.restore(state.physics)
         for array in (*state.now[1:], state.mode, state.next_decision):
             read_only(array)  # which unpickled arrays are not
-        self._tracking.stations = read_only(np.stack(state.now[4:]))
+        self._tracking.stations = read_only(np.stack(state.now[4:7]))
         self.now, self.mode, self.next_decision = state.now, state.mode, state.next_decision
         self._next_due = int(state.next_decision.min())
         self.memory = {name: array.copy() for name, array in state.memory.items()}
@@ -420,25 +431,26 @@ class Simulation:
             self.scene = reseeded(self.scene, seed)
         self.observers = []
         if self.scene.shapes is before:
-            self.physics.reset(self.scene.start)
+            self.physics.reset(self.scene.moving_start)
         else:  # the seed draws footprints or the road
             self._host()
         self._begin()
 
     def _host(self) -> None:
-        """Put the robots into the engine."""
+        """Put all that moves into the engine."""
         scene = self.scene
         self._swept = SweptContactFinder(scene)
         self.physics = Physics(
-            scene.shapes, scene.walls, scene.start, scene.mass, scene.dt,
+            scene.shapes, scene.walls, scene.moving_start, scene.mass, scene.dt,
             friction=scene.world.physics.friction, elasticity=scene.world.physics.elasticity,
+            movers=scene.movers,
         )  # fmt: skip
 
     def _begin(self) -> None:
         """Everything but the engine, as it is at sample 0."""
         scene, robots = self.scene, self.scene.robots
         self.memory = first_memory(self._asked.form, scene)
-        self._shared = shared(robots)
+        self._shared = shared(robots, scene.moving)
         self._parts = tuple(map(self.parts.of, STAGES))
         self._limits = {FILTERED: scene.limits, DISTURBED: np.full((robots, 2), FASTEST)}
         states = []
@@ -456,7 +468,7 @@ class Simulation:
         self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
         self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
         self._next_due, self._told = 0, None
-        still = read_only(np.zeros((robots, 3)))
+        still = read_only(np.zeros((scene.moving, 3)))
         self._take(0, read_only(self.physics.pose), read_only(np.zeros((robots, 2))), still)
 
     @property
@@ -465,8 +477,8 @@ class Simulation:
         of, found = self._found
         if found is None or of is not self.now:
             scene = self.scene
-            finder = ClearanceFinder(scene.shapes, scene.wall_tree)
-            found = locked(finder.find(self.now.pose[None]))
+            finder = ClearanceFinder(scene.shapes, scene.wall_tree, scene.robots)
+            found = locked(finder.find(self.now.moving_pose[None]))
             self._found = self.now, found
         return found
 

@@ -67,7 +67,7 @@ class View:
         return int(rows.start + (self.sensed.robot[rows] == i).argmax())
 
     def others(self, i: int) -> IntArray:
-        """Its rows of other robots within range, increasing."""
+        """Its rows of other robots, and of all else that moves, within range, increasing."""
         sensed, rows, own, reach = (
             self.sensed,
             self.rows(i),
@@ -85,11 +85,12 @@ class View:
         sensed, rows, own, plan = self.sensed, self.rows(i), self.own_row(i), self.scene.formation
         if not plan.active:
             return np.zeros(0, dtype=np.int64)
+        robot, robots = sensed.robot[rows], self.scene.robots
         if plan.adjacency.shape[0]:
-            near = plan.adjacency[i][sensed.robot[rows]] != 0
+            near = (plan.adjacency[i][np.minimum(robot, robots - 1)] != 0) & (robot < robots)
         else:
             station = sensed.reference_station
-            near = np.abs(station[rows] - station[own]) <= plan.range
+            near = (np.abs(station[rows] - station[own]) <= plan.range) & (robot < robots)
         near[own - rows.start] = False
         return np.asarray(rows.start + near.nonzero()[0])
 
@@ -172,6 +173,7 @@ class View:
                 read_only(sensed.velocity[row].copy()),
                 sensed.reference_station.item(row),
                 self.time - sensed.age.item(row),
+                self.scene.bodies[j].kind,  # type: ignore[arg-type]  # of what moves
             )
         return self._robots[row]
 
@@ -214,7 +216,7 @@ class _SceneFacts:
         }
 
     def _footprint(self, i: int) -> tuple[FloatArray, ...]:
-        """Convex parts (n, 2) of Robot i, read-only."""
+        """Convex parts (n, 2) of Robot i, or another body that moves, read-only."""
         shapes = self.scene.shapes
         return tuple(
             _part(shapes, p) for p in range(shapes.body_start[i], shapes.body_start[i + 1])

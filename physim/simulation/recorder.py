@@ -12,7 +12,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,9 @@ BLOCK_SECONDS = 0.3
 """[s] of computing after which a block goes to the record, however short."""
 SAMPLE_BYTES = 40
 """of a robot in a sample: its pose and two clearances"""
+STATE_WORK, STEP_WORK = 25_000, 5
+"""Steps of robots from one kept state to the next where a run keeps them by default, and how many a
+step costs beside those of its robots: some 50 ms of computing, and 1 to 8 % of the file."""
 
 
 @dataclass(frozen=True)
@@ -50,12 +53,14 @@ class SaveAt:
     None; ``tables``, those of updates, considered, contacts and false_contacts that are kept.
     Samples and commands are always there: without them a record could not be held against anything.
     ``states`` [s]: from one kept state to the next, from which `physim.state_at` lets another run
-    start. ``sensed``: whether what each robot sensed when it decided is kept, see `Record.sensed`.
+    start; "usual": as often as a branch needs to begin at once, and none where a part remembers
+    what no record can keep. ``sensed``: whether what each robot sensed when it decided is kept, see
+    `Record.sensed`.
     """
 
     every: int | None = None
     tables: Sequence[str] = OPTIONAL
-    states: float | None = None
+    states: float | Literal["usual"] | None = None
     sensed: bool = False
 
     def __post_init__(self) -> None:
@@ -63,8 +68,9 @@ class SaveAt:
         unknown = [table for table in self.tables if table not in OPTIONAL]
         if unknown:
             raise ValueError(f"tables: {unknown[0]!r}; allowed: {', '.join(OPTIONAL)}")
-        if self.states is not None and not 0.0 < self.states < np.inf:
-            raise ValueError(f"states = {self.states!r}; it must be a time in s, above 0")
+        states = 1.0 if self.states in (None, "usual") else self.states
+        if isinstance(states, str) or not 0.0 < states < np.inf:
+            raise ValueError(f"states = {states!r}; it must be a time in s, above 0, or usual")
         if self.every is None:
             return
         if isinstance(self.every, bool) or not isinstance(self.every, int | np.integer):
@@ -89,7 +95,7 @@ def check_room(scene: Scene, every: int, path: str | os.PathLike[str] | None) ->
             folder = folder.parent
         disk, where = shutil.disk_usage(folder), str(folder)
         room = disk.free if disk.total else float("inf")  # no disk: /proc and the like
-    needed = (scene.steps // every + 2) * (8 + SAMPLE_BYTES * scene.robots)
+    needed = (scene.steps // every + 2) * (8 + SAMPLE_BYTES * scene.moving)
     if needed > room:
         raise RecordError(
             f"{where}: no room for the record: there are {room / 1e6:.3g} MB, and its samples "
@@ -106,7 +112,7 @@ class Recorder:
         self.writer = writer
         self.every = every
         self.tables = tuple(tables)
-        self.size = max(1, min(BLOCK_STEPS, BLOCK_POSES // writer.robots))
+        self.size = max(1, min(BLOCK_STEPS, BLOCK_POSES // writer.moving))
         self.steps: list[Step] = []
         self.begun = self.first = self.rejected = 0
         self.unrecorded: tuple[int, FloatArray] | None = None
@@ -125,7 +131,7 @@ class Recorder:
         if self.begun:  # the record has no decision that gave the commands that are held
             self.latest = np.zeros((scene.robots, 2))
         self.since = np.full(scene.robots, -1, dtype=np.int64)
-        self.near = ClearanceFinder(scene.shapes, scene.wall_tree)
+        self.near = ClearanceFinder(scene.shapes, scene.wall_tree, scene.robots)
         self.least = np.full((2, scene.robots), np.inf)
         """[m] least distance of each robot from another, and from a wall, since the last recorded
         sample"""
@@ -134,7 +140,8 @@ class Recorder:
         contacts = simulation.contacts
         if self.begun:  # what happened in the step that led here is not of this record
             contacts = touching(contacts)
-        self._write_samples(simulation.pose[None], simulation.arrived[None], [contacts])
+        pose = simulation.now.moving_pose
+        self._write_samples(pose[None], simulation.arrived[None], [contacts])
         self.last_write = time.monotonic()
 
     def after_step(self, step: Step) -> None:
@@ -161,7 +168,7 @@ class Recorder:
         self._write_false_contacts([step.false_contacts for step in steps])
         if steps:
             self._write_samples(
-                stacked([step.pose for step in steps]),
+                stacked([step.moving_pose for step in steps]),
                 stacked([step.arrived for step in steps]),
                 [step.contacts for step in steps],
             )
@@ -225,9 +232,10 @@ class Recorder:
     def _write_samples(
         self, poses: FloatArray, arrived: NDArray[np.bool_], contacts: Sequence[NDArray[np.void]]
     ) -> None:
-        """Contacts in the order of steps, and every ``every``-th sample of poses (B, N, 3).
+        """Contacts in the order of steps, and every ``every``-th of S samples of all that moves,
+        ``poses`` (S, B, 3).
 
-        With these go the least distances since the one before. ``arrived`` (B, N).
+        With these go the least distances since the one before. ``arrived`` (S, N).
         """
         self.since = later_since(self.since, self.first, arrived)
         self.writer.note_arrived(self.since)

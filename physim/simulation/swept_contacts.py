@@ -30,7 +30,7 @@ class SweptContactFinder:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         self._pose: FloatArray | None = None
-        self._room = no_room(scene.shapes)
+        self._room = no_room(scene.shapes, np.isinf(scene.mass))
         """at ``_pose``"""
 
     def follow(

@@ -73,7 +73,7 @@ def ask(controller: DecidesOne, scene: Scene, observation: Observation, memory: 
         return Answer({RAISES: type(error).__name__}, None, fault)
     try:
         declared = Declared.of(controller)
-        row = decision_row(decision, declared, scene.robots)
+        row = decision_row(decision, declared, scene.moving)
         rows = decisions_of(np.array([observation.index]), [row], len(declared.columns))
         next_steps(scene, round(observation.time / scene.dt), rows, declared)
     except ControllerError as error:

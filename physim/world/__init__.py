@@ -3,6 +3,7 @@
 from physim.world.group import RobotGroup, each_robot
 from physim.world.kinds import FrozenMapping, thawed
 from physim.world.model import Corridor, World
+from physim.world.mover import Mover, Obstacle
 from physim.world.road import RandomCorridor, RandomRoad
 from physim.world.robot import Box, Formation, Limits, Offset, Robot, Start
 from physim.world.run import Arrival, Choice, ControllerChoice, Expectation, Physics, Sensing, Time
@@ -17,6 +18,8 @@ __all__ = [
     "Formation",
     "FrozenMapping",
     "Limits",
+    "Mover",
+    "Obstacle",
     "Offset",
     "Physics",
     "RandomCorridor",

@@ -36,13 +36,13 @@ from physim.world.kinds import (
     Length,
     Lines,
     Number,
-    Polygon,
     Polyline,
     Sequence,
     Text,
     Whole,
     either,
 )
+from physim.world.mover import MOST_MOVERS, Mover, ObstacleEntry
 from physim.world.road import RandomCorridor, is_random_corridor
 from physim.world.robot import Formation, Robot, Start
 from physim.world.run import (
@@ -146,8 +146,14 @@ class World(Model):
         description="parts that make robots depart from their commands, in order",
     )
     arrival: Arrival = Field(default=Arrival(), description="when a robot counts as arrived")
-    obstacles: Annotated[tuple[Polygon, ...], Field(max_length=MOST_WALLS), Lines] = Field(
-        default=(), description="[m] closed, solid polygons"
+    obstacles: Annotated[tuple[ObstacleEntry, ...], Field(max_length=MOST_WALLS), Lines] = Field(
+        default=(),
+        description="[m] closed, solid polygons; one with a mass can be pushed: {corners, mass}",
+    )
+    movers: Annotated[tuple[Mover, ...], Field(max_length=MOST_MOVERS), Sequence] = Field(
+        default=(),
+        description="list of bodies on timed paths, such as carts and doors: they push robots and "
+        "are never pushed",
     )
     expect: Expectation | None = Field(default=None, description="what the run must satisfy")
     physics: Physics = Field(default=Physics(), description="friction and elasticity of contacts")

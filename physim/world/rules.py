@@ -16,6 +16,7 @@ from physim.tolerances import LENGTH, WHOLE_STEPS
 from physim.world.faults import describe
 from physim.world.group import NUMBER, RobotGroup
 from physim.world.kinds import Point
+from physim.world.mover import mover_faults
 from physim.world.road import RandomCorridor, RandomRoad
 from physim.world.robot import Offset, Robot, Start
 
@@ -31,7 +32,10 @@ WALL_NAMES = re.compile(r"(?:left|right) wall|(?:start|end) cap|(?:boundary|obst
 
 def rule_faults(world: World) -> list[Fault]:
     """Every fault between values of a world."""
-    rules = (_time, _walls, _names, _robots, _formation, _neighbours, _distinct, _expected, _road)
+    rules = (
+        _time, _walls, _names, _robots, _formation, _neighbours, _distinct, _expected, _road,
+        mover_faults,
+    )  # fmt: skip
     return [fault for rule in rules for fault in rule(world)]
 
 
@@ -92,6 +96,16 @@ def _names(world: World) -> Iterator[Fault]:
             faults.setdefault(e, Fault(("robots", e, "name"), f"{describe(name)} {message}"))
         first.setdefault(name, e)
     yield from faults.values()
+    names = {name: f"robots[{e}]" for name, e in first.items()}
+    for k, mover in enumerate(world.movers):
+        where, name = ("movers", k, "name"), mover.name
+        if name in names:
+            message = f"is the name of {names[name]} too; names must differ"
+            yield Fault(where, f"{describe(name)} {message}")
+        elif WALL_NAMES.fullmatch(name):
+            message = "names a wall in reports; give the mover another name"
+            yield Fault(where, f"{describe(name)} {message}")
+        names.setdefault(name, f"movers[{k}]")
 
 
 def _robots(world: World) -> Iterator[Fault]:

@@ -9,18 +9,21 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import shapely
 
 from physim.errors import Location
+from physim.geometry.polygon import counter_clockwise
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
 from physim.world.group import RobotGroup
 from physim.world.robot import Offset, Robot
 
 if TYPE_CHECKING:
+    from physim.geometry.timed_paths import TimedPaths
     from physim.geometry.walls import WallTree
     from physim.world import World
     from physim.world.ground.area import Area
@@ -35,12 +38,30 @@ DENSITY = 100.0
 
 @dataclass(frozen=True)
 class Body:
-    """One row of the body table: robots first (file order), then boundaries, then obstacles."""
+    """One row of the body table: what moves first, robots, movers, obstacles that can be pushed,
+    each in file order; then boundaries, then the other obstacles."""
 
     id: int
     kind: str
-    """``robot``, ``boundary`` or ``obstacle``"""
+    """``robot``, ``mover``, ``boundary`` or ``obstacle``"""
     name: str
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A body that moves beside the robots."""
+
+    kind: str
+    """``mover`` or ``obstacle``"""
+    name: str
+    key: Location
+    """where it is written"""
+    outline: FloatArray
+    """(n, 2) [m] in its own frame, counter-clockwise"""
+    start: FloatArray
+    """(3,) pose at step 0"""
+    mass: float
+    """[kg] inf of a mover"""
 
 
 @dataclass(frozen=True)
@@ -86,7 +107,7 @@ class Layout:
     boundaries: dict[str, FloatArray]
     """polylines (n, 2) by name, in the order of their ids"""
     obstacles: list[FloatArray]
-    """outlines (n, 2)"""
+    """outlines (n, 2) of those that stand"""
     reference: FloatArray
     """(n, 2) waypoints of s*"""
     area: Area
@@ -100,6 +121,8 @@ class Layout:
     passage: float | None
     """[m] clear width along the reference path that a road drawn by the seed guarantees; None where
     the road is written"""
+    pushed: dict[int, FloatArray] = field(default_factory=dict)
+    """outlines (n, 2) at the start of obstacles that can be pushed, by their numbers in the file"""
 
     @property
     def names(self) -> list[str]:
@@ -115,8 +138,32 @@ class Layout:
         return ("reference_path",) if own else ("corridor", "centreline")
 
     def obstacle_key(self, k: int) -> Location:
-        """Where obstacle k is written."""
-        return ("obstacles", k) if self.passage is None else ("corridor", "random")
+        """Where obstacle k of those that stand is written."""
+        where: Location = ("obstacles", self.standing[k])
+        return where if self.passage is None else ("corridor", "random")
+
+    @cached_property
+    def standing(self) -> list[int]:
+        """Numbers in the file of the obstacles that stand."""
+        every = range(len(self.obstacles) + len(self.pushed))
+        return [k for k in every if k not in self.pushed]
+
+    @cached_property
+    def moved(self) -> list[Moved]:
+        """What moves beside the robots: movers, then obstacles that can be pushed."""
+        found = [
+            Moved("mover", mover.name, ("movers", k), counter_clockwise(mover.outline),
+                  np.array(mover.poses[0]), np.inf)
+            for k, mover in enumerate(self.world.movers)
+        ]  # fmt: skip
+        for k, ring in self.pushed.items():
+            middle = shapely.get_coordinates(shapely.Polygon(ring).centroid)[0]
+            entry, name = self.world.obstacles[k], f"obstacle {k + 1}"
+            found.append(
+                Moved("obstacle", name, ("obstacles", k), counter_clockwise(ring - middle),
+                      np.array([*middle, 0.0]), getattr(entry, "mass", np.inf))
+            )  # fmt: skip
+        return found
 
     def entry_key(self, i: int) -> Location:
         """Where Robot i is written."""
@@ -144,7 +191,7 @@ class Layout:
         drawn = self.passage is not None
         return [
             (f"obstacle {k + 1}" if drawn else f"obstacles[{k}]", shapely.Polygon(ring))
-            for k, ring in enumerate(self.obstacles)
+            for k, ring in zip(self.standing, self.obstacles, strict=True)
         ]
 
 
@@ -168,7 +215,10 @@ def wall_label(name: str) -> str:
 
 @dataclass(frozen=True)
 class Scene:
-    """Arrays of one run: N robots, lengths [m], angles [rad], world frame unless said."""
+    """Arrays of one run: N robots, lengths [m], angles [rad], world frame unless said.
+
+    B bodies move: the N robots, then movers, then obstacles that can be pushed.
+    """
 
     world: World
     """the effective world, after every override"""
@@ -179,18 +229,21 @@ class Scene:
     """number of physics steps of the run; sample 0 is the start"""
     bodies: tuple[Body, ...]
     shapes: Shapes
-    """footprints of the N robots, each in its own frame (origin = reference point, x forward)"""
+    """footprints of the B bodies that move, each in its own frame (origin = reference point, x
+    forward; of an obstacle the middle of its area)"""
     walls: Shapes
-    """boundaries (parts of two vertices) and obstacles (convex parts), world frame; body k of
-    ``walls`` is body id N + k"""
+    """boundaries (parts of two vertices) and obstacles that stand (convex parts), world frame;
+    body k of ``walls`` is body id B + k"""
     wall_tree: WallTree
     """which parts of ``walls`` are near a place"""
     mass: FloatArray
-    """(N,) [kg]"""
+    """(B,) [kg]; inf of movers"""
     limits: FloatArray
     """(N, 2) largest |v| [m/s] and |omega| [rad/s]"""
     start: FloatArray
-    """(N, 3) pose at sample 0"""
+    """(N, 3) pose of robots at sample 0"""
+    movers: TimedPaths
+    """paths of the movers, bodies N to N + ``movers.many`` - 1"""
     paths: Polylines
     """own path s_i of each robot"""
     reference: Polylines
@@ -220,6 +273,18 @@ class Scene:
     def robots(self) -> int:
         """Number of robots N."""
         return len(self.start)
+
+    @property
+    def moving(self) -> int:
+        """Number of bodies that move, B."""
+        return len(self.mass)
+
+    @property
+    def moving_start(self) -> FloatArray:
+        """(B, 3) pose at sample 0."""
+        if self.moving == self.robots:
+            return self.start
+        return np.vstack([self.start, *(one.start for one in self.layout.moved)])
 
     @cached_property
     def pieces(self) -> Pieces:

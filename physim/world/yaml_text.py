@@ -17,10 +17,10 @@ from physim.world.run import Choice
 LINE = 100
 """Columns after which a list is broken."""
 
-ABSENT = ("description", "obstacles", "sensing", "filters", "disturbances", "stages")
+ABSENT = ("description", "obstacles", "movers", "sensing", "filters", "disturbances", "stages")
 """Keys that are left out where they are empty."""
 
-FLOWING = ("footprints", "paths")
+FLOWING = ("footprints", "paths", "obstacles")
 """Lists of shapes, written in brackets."""
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:[ -][A-Za-z0-9_]+)*")

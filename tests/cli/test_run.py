@@ -19,7 +19,8 @@ from physim.world.file import load_world
 from tests.cli.commands import SMALL, frames, physim, tree
 from tests.helpers import check_error, facts, inside
 
-CONTROLLER, part_names = inside("physim.parts", "CONTROLLER", "part_names")
+CONTROLLER, DISTURBANCE, SENSING = inside("physim.parts", "CONTROLLER", "DISTURBANCE", "SENSING")
+part_names = inside("physim.parts", "part_names")
 shipped_worlds = inside("physim.world.file", "shipped_worlds")
 
 FILES = {"record.h5", "video.mp4", "summary.json"}
@@ -328,6 +329,8 @@ def test_list_names_every_world_and_controller(
     listed = json.loads(done.out)
     assert listed.pop("worlds") == shipped_worlds()
     assert listed.pop("controllers") == part_names(CONTROLLER)
+    for kind, key in ((SENSING, "sensing"), (DISTURBANCE, "disturbances")):
+        assert listed.pop(key) == part_names(kind)
     assert listed
     assert not any(listed.values())  # physim ships no parts of the other kinds
     shown = physim("list", capture=capsys).out

@@ -25,6 +25,7 @@ def test_every_key_of_a_world_is_told() -> None:
     assert of("worlds.md", r"generated: keys (\w+) -->") == {"World", *models} - {"OwnController"}
     settings = of("worlds.md", r"generated: keys settings (\w+) -->")
     assert settings == set(shipped_parts(CONTROLLER))
+    assert of("worlds.md", "generated: (stages) -->")  # of every one that ships
 
 
 def test_every_public_name_is_told() -> None:

@@ -177,6 +177,25 @@ def test_collision_times_are_those_of_the_motion_seen(tmp_path: Path) -> None:
     assert turned.pose[0, 0, 2] == math.pi / 2
 
 
+def test_movers_and_boxes_are_in_the_log_like_robots(tmp_path: Path) -> None:
+    world = hall(
+        """\
+movers:
+  - {name: cart, footprint: {length: 0.5, width: 0.5}, waypoints: [[4, 0], [12, 0]], speed: 0.5}
+obstacles:
+  - {corners: [[9, 0.5], [10, 0.5], [10, 1.5], [9, 1.5]], mass: 20.0}
+"""
+    )
+    rows = [*straight(), *([0.1 * k, "cart", 4.0, 3.0 - 0.1 * k, 0.0] for k in range(41))]
+    with pytest.raises(PhysimError, match=facts("obstacle 1", "no samples")):
+        physim.judge(written(tmp_path / "some.csv", rows), world)
+    rows += [[0.1 * k, "obstacle 1", 6.0, 1.0, 0.0] for k in range(41)]
+    record = physim.judge(written(tmp_path / "log.csv", rows), world)
+    met = {(record.bodies[row["a"]].name, record.bodies[row["b"]].name) for row in record.contacts}
+    assert met == {("alpha", "cart"), ("beta", "cart")}  # the cart passes through the wall untold
+    assert (record.extremes["clearance"] < 1e-9).all()
+
+
 # What readers say
 
 

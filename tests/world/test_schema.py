@@ -67,7 +67,14 @@ sensing: {range: 9.0, stages: []}
 filters: []
 disturbances: []
 arrival: {tolerance: 0.2}
-obstacles: [[[20, 2], [21, 2], [21, 3]]]
+obstacles: [[[20, 2], [21, 2], [21, 3]], {corners: [[22, 2], [23, 2], [23, 3]], mass: 20}]
+movers:
+  - name: cart
+    footprint: {length: 1.0, width: 0.5}
+    waypoints: [[5, 1], [5, 2]]
+    times: [0, 2]
+    repeat: once
+  - {name: door, footprint: {length: 1.0, width: 0.5}, waypoints: [[8, 1, 0], [9, 1, 1]], speed: 1}
 expect:
   contacts: 0
   min_distance: 0.1
@@ -144,6 +151,8 @@ def test_full_world_holds_every_key_of_every_model() -> None:
         ("RobotGroup", [robot for robot in values["robots"] if "count" in robot]),
     ):
         assert keys(name) == {key for robot in robots for key in robot}
+    assert keys("Mover") == {key for mover in values["movers"] for key in mover}
+    assert keys("Obstacle") == set(values["obstacles"][1])
     for key in ("time", "start", "formation", "physics", "sensing", "arrival", "corridor"):
         assert keys(key.title()) == set(values[key])
     assert keys("Expectation") == set(values["expect"])

@@ -55,7 +55,7 @@ class Touch:
     """body ids, a < b"""
     b: int
     robots: bool
-    """both are robots; otherwise b is a boundary or an obstacle"""
+    """both are robots; otherwise b is a mover, a boundary or an obstacle"""
     step: int
     """first sample; of a graze the one at the end of its step"""
     time: float
@@ -90,9 +90,11 @@ class Graze(Touch):
 def contact_episodes(record: Record) -> tuple[Episode, ...]:
     """Contact episodes in the order of their beginning; their number is "contacts: N".
 
-    Contacts between two samples are none of them, see `grazes`.
+    Contacts between two samples are none of them, see `grazes`; nor are those in which no robot
+    takes part, as where a mover pushes an obstacle: these stand in the record alone.
     """
-    rows = record.contacts[record.contacts["kind"] == Kind.PHYSICAL]
+    of_robot = record.contacts["a"] < record.robots
+    rows = record.contacts[(record.contacts["kind"] == Kind.PHYSICAL) & of_robot]
     rows = rows[np.lexsort((rows["step"], rows["b"], rows["a"]))]
     # of a row of phase ended the impulse is the push of the step in which the two part
     ended = rows["phase"] == Phase.ENDED
@@ -117,8 +119,9 @@ def contact_episodes(record: Record) -> tuple[Episode, ...]:
 
 
 def grazes(record: Record) -> tuple[Graze, ...]:
-    """Contacts between two samples, in the order of time. A pair may have one a step."""
-    rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
+    """Contacts of robots between two samples, in the order of time; a pair may have one a step."""
+    of_robot = record.contacts["a"] < record.robots
+    rows = record.contacts[(record.contacts["kind"] == Kind.SWEPT) & of_robot]
     columns = (rows[key].tolist() for key in ("a", "b", "step", "depth", "x", "y", "nx", "ny"))
     return tuple(
         Graze(a, b, b < record.robots, step, step * record.dt, depth, (x, y), (nx, ny))
@@ -247,12 +250,12 @@ def point_velocity(
 
     0 for what stands still, and at the first sample. ``held`` as for `severity`.
     """
-    if body >= record.robots or step <= record.begun_at:
+    if body >= record.moving or step <= record.begun_at:
         return np.zeros(2)
     before, now = record.pose_at(step - 1)[body], record.pose_at(step)[body]
     moved = (now - before) / record.dt
     rows = touching(record.contacts_over(step - 1, step))
-    touched = body in rows["a"] or body in rows["b"]
+    touched = body in rows["a"] or body in rows["b"] or body >= record.robots
     if not touched and (held is not None or "updates" in record.tables):
         if held is None:
             v, omega, lateral = twists(record.commands_over("applied", step - 1, step)[0])[body]

@@ -61,10 +61,11 @@ def pair_distances(record: Record, most: int = MOST_DISTANCES) -> tuple[Series, 
 
 
 def placed(record: Record, robot: int, pose: FloatArray) -> FloatArray:
-    """Shape of a robot at poses (K, 3), as shapely geometries (K,), world frame."""
+    """Shape of a body that moves at poses (K, 3), as shapely geometries (K,), world frame."""
     cos, sin = np.cos(pose[:, 2]), np.sin(pose[:, 2])
     turn = np.stack([np.stack([cos, sin], -1), np.stack([-sin, cos], -1)], axis=1)
-    parts = [shapely.polygons(part @ turn + pose[:, None, :2]) for part in record.footprints[robot]]
+    own = body_parts(record.shapes, robot)
+    parts = [shapely.polygons(part @ turn + pose[:, None, :2]) for part in own]
     whole = parts[0] if len(parts) == 1 else shapely.multipolygons(np.stack(parts, axis=-1))
     return np.asarray(whole)
 
@@ -168,9 +169,9 @@ def sides_of(record: Record) -> tuple[tuple[FloatArray, FloatArray] | None, Floa
     corridor = record.world_settings.get("corridor") is not None
     named: dict[str, FloatArray] = {}
     others = [np.zeros((0, 4))]
-    for body in record.bodies[record.robots :]:
+    for body in record.bodies[record.moving :]:
         mine = [np.zeros((0, 4))]
-        for points in body_parts(record.walls, body.id - record.robots):
+        for points in body_parts(record.walls, body.id - record.moving):
             ends = points[1:] if len(points) == 2 else np.roll(points, -1, axis=0)
             mine.append(np.hstack((points[: len(ends)], ends)))
         if corridor and body.kind == "boundary":
@@ -185,9 +186,9 @@ def sides_of(record: Record) -> tuple[tuple[FloatArray, FloatArray] | None, Floa
 def along_wall(record: Record, body: int, point: FloatArray | tuple[float, float]) -> str:
     """``at (1.5, 4), boundaries[0][16] to [17]``: a point (2,) [m] of a boundary of a run.
 
-    Empty for a robot; the point alone for obstacles and the walls of a corridor.
+    Empty for what moves; the point alone for obstacles and the walls of a corridor.
     """
-    if body < record.robots:
+    if body < record.moving:
         return ""
     boundaries = record.world_settings.get("boundaries")
     written = boundaries if isinstance(boundaries, list | tuple) else None
@@ -197,25 +198,25 @@ def along_wall(record: Record, body: int, point: FloatArray | tuple[float, float
 def near_wall(record: Record, robot: int, body: int, step: int) -> str:
     """Where along a wall it was nearest to a robot at a step, as `along_wall` says it.
 
-    Empty for a robot, and where the record does not hold that step.
+    Empty for what moves, and where the record does not hold that step.
     """
     k = int(np.searchsorted(record.steps, step))
-    if body < record.robots or k == len(record.steps) or record.steps[k] != step:
+    if body < record.moving or k == len(record.steps) or record.steps[k] != step:
         return ""
     line = nearest_points(record, body, robot, np.asarray(record.pose_at(step)))
     return along_wall(record, body, line[0])
 
 
 def nearest_points(record: Record, a: int, b: int, pose: FloatArray) -> FloatArray:
-    """Nearest points (2, 2) [m] of two bodies with the robots at ``pose`` (N, 3).
+    """Nearest points (2, 2) [m] of two bodies with all that moves at ``pose`` (B, 3).
 
     Of bodies that overlap the two are one point, of both.
     """
 
     def shape(body: int) -> Any:
-        if body < record.robots:
+        if body < record.moving:
             return placed(record, body, pose[body][None])[0]
-        parts = body_parts(record.walls, body - record.robots)
+        parts = body_parts(record.walls, body - record.moving)
         return shapely.GeometryCollection(
             [shapely.LineString(one) if len(one) == 2 else shapely.Polygon(one) for one in parts]
         )

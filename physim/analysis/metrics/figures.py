@@ -228,10 +228,12 @@ def definition(name: str) -> Definition:
 # What the table finds, beside the figures above
 
 
-def _contacts(run: Figures, robots: bool | None = None) -> int | None:
-    if (robots and run.record.robots < 2) or "contacts" not in run.record.tables:
+def _contacts(run: Figures, first: int = 0, last: int | None = None) -> int | None:
+    """How many contacts robots have with bodies ``first`` to ``last - 1``; None without any."""
+    if "contacts" not in run.record.tables or last in (first, 1):
         return None
-    return sum(robots is None or episode.robots is robots for episode in run.episodes)
+    last = len(run.record.bodies) if last is None else last
+    return sum(first <= episode.b < last for episode in run.episodes)
 
 
 def _first_contact(run: Figures) -> Moment | None:
@@ -306,10 +308,13 @@ DEFINITIONS = MappingProxyType({one.name: one for one in (
                "contact episodes: maximal runs of samples at which two bodies touch", "-",
                _contacts),
     Definition("contacts_between_robots", "-", "contact episodes of two robots", "-",
-               lambda run: _contacts(run, True)),
+               lambda run: _contacts(run, 0, run.record.robots)),
+    Definition("contacts_with_movers", "-",
+               "contact episodes of a robot and a mover or an obstacle that can be pushed", "-",
+               lambda run: _contacts(run, run.record.robots, run.record.moving)),
     Definition("contacts_with_boundaries", "-",
                "contact episodes of a robot and a boundary or obstacle", "-",
-               lambda run: _contacts(run, False)),
+               lambda run: _contacts(run, run.record.moving)),
     Definition("grazes", "-",
                "contacts between two samples: apart at both, touching within the step", "-",
                lambda run: len(run.grazes) if "contacts" in run.record.tables else None),
@@ -323,7 +328,8 @@ DEFINITIONS = MappingProxyType({one.name: one for one in (
                lambda run: _severest(run, lambda _, how: how.energy)),
     Definition("impulse", "N s", "impulse of the severest contact, its impact and the pushing",
                "-", lambda run: _severest(run, lambda hit, _: hit.impulse)),
-    Definition("shortest_distance", "m", "shortest distance between two robots; negative = depth",
+    Definition("shortest_distance", "m",
+               "shortest distance of a robot to another, or to what moves; negative = depth",
                "(11), Figs. 3b, 6c", lambda run: run.nearest),
     Definition("shortest_boundary_distance", "m",
                "shortest distance of a robot to a boundary or obstacle; negative = depth", "(11)",

@@ -138,7 +138,10 @@ def judged(record: Record) -> Judged:
     wanted = [first.step - max(1, round(share * first.step)) for share in LEADS]
     rows = np.searchsorted(record.steps, wanted, side="right") - 1
     before = tuple(
-        Moment(at * record.dt, tuple((x, y, h) for x, y, h in record.pose_at(at).tolist()))
+        Moment(
+            at * record.dt,
+            tuple((x, y, h) for x, y, h in record.pose_at(at)[: record.robots].tolist()),
+        )
         for at in dict.fromkeys(record.steps[rows].tolist())
         if at > 0
     )

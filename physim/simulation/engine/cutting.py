@@ -24,7 +24,7 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.bodies import body_distance
-from physim.geometry.shapes import FloatArray, IntArray, Rows3, Shapes
+from physim.geometry.shapes import Flags, FloatArray, IntArray, Rows3, Shapes
 from physim.tolerances import SETTLED_DEPTH
 
 NARROWINGS = 60
@@ -46,6 +46,8 @@ class Moves(NamedTuple):
     """(N, 3) how the robots come there from the sample before, easing included"""
     share: FloatArray
     """(N,) of which each goes so much: 1, or up to where it stops"""
+    goes_on: Flags
+    """(N,) which of them go their whole way whatever they meet: movers"""
     robots: int
     bodies: int
 
@@ -62,7 +64,7 @@ def cut_short(key: IntArray, pairs: int, moves: Moves, deepest: float) -> None:
     share, bodies, robots = moves.share, moves.bodies, moves.robots
     stops = np.full(bodies, 1, np.int64)
     for i in range(robots):
-        stops[i], share[i] = 0, 1.0
+        stops[i], share[i] = 1 if moves.goes_on[i] else 0, 1.0
     due = np.empty(pairs)  # when each pair stops; above 1: never
     for k in range(pairs):
         due[k] = stop_time(key[k], 0.0, moves, deepest, stops)
@@ -78,7 +80,7 @@ def cut_short(key: IntArray, pairs: int, moves: Moves, deepest: float) -> None:
         a, b = key[first] // bodies, key[first] % bodies
         for end in range(2):
             i = b if end else a
-            if i < robots:
+            if i < robots and not moves.goes_on[i]:
                 share[i] = 0.0 if stops[i] >= MOST_STOPS else min(share[i], due[first])
                 stops[i] += 1
         for k in range(pairs):
@@ -91,6 +93,9 @@ def cut_short(key: IntArray, pairs: int, moves: Moves, deepest: float) -> None:
 def stop_time(key: int, now: float, moves: Moves, deepest: float, stops: IntArray) -> float:
     """Share of the step, from ``now`` on, at which a pair stops; 2 where it goes on to the end."""
     a, b = key // moves.bodies, key % moves.bodies
+    has_mover = moves.goes_on[a] or (b < moves.robots and moves.goes_on[b])
+    if has_mover and stops[a] and stops[b]:  # it stands, and the mover goes on all the same
+        return 2.0
     after = depth(a, b, 1.0, moves)
     if after <= deepest:
         return 2.0

@@ -21,6 +21,7 @@ from physim.geometry.shapes import (
     joined_shapes,
     part_bodies,
 )
+from physim.geometry.timed_paths import TimedPaths, timed_poses
 from physim.geometry.walls import build_wall_tree, nearest_walls
 from physim.simulation.engine.cutting import Moves, cut_short
 from physim.simulation.engine.energy import OF_IMPACTS, OF_PUSHES, failures
@@ -49,7 +50,10 @@ six robots go straight by it; more rounds in crowds would cost more than all els
 
 
 class Physics:
-    """N robots among walls as rigid bodies that follow commands and are stopped by contact.
+    """N bodies among walls as rigid bodies that follow commands and are stopped by contact.
+
+    The first of them are robots. Then may stand movers, of infinite mass, which follow timed paths
+    whatever stands there, and obstacles that can be pushed, which are robots that want to stand.
 
     While something touches, a step first asks the engine what contacts allow of the wanted
     velocities (push); then every body moves with the velocity it may have, and the contacts at
@@ -81,14 +85,16 @@ class Physics:
         friction: float = 0.0,
         elasticity: float = 0.0,
         *,
+        movers: TimedPaths | None = None,
         _guarded: bool = True,
     ) -> None:
-        """Place robots and find what touches at sample 0.
+        """Place bodies and find what touches at sample 0.
 
-        ``shapes`` of the N robots in their own frames, ``walls`` in the world frame, ``start``
-        (N, 3) x, y [m], heading [rad], ``mass`` (N,) [kg], time step ``dt`` [s], coefficients of
-        ``friction`` and ``elasticity`` of every contact. Since velocities are commanded anew at
-        each step, elasticity adds to the impulse of an impact but nothing bounces.
+        ``shapes`` of the N bodies in their own frames, ``walls`` in the world frame, ``start``
+        (N, 3) x, y [m], heading [rad], ``mass`` (N,) [kg], inf of those that follow ``movers``,
+        time step ``dt`` [s], coefficients of ``friction`` and ``elasticity`` of every contact.
+        Since velocities are commanded anew at each step, elasticity adds to the impulse of an
+        impact but nothing bounces.
         """
         start = np.ascontiguousarray(start, dtype=np.float64)
         self.dt = dt
@@ -115,8 +121,13 @@ class Physics:
         self._parking[:, 0] = room * np.arange(len(start))
         self._parking[:, 1] = room + walls.vertices[:, 1].max(initial=0.0)
 
-        inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(mass)]
+        self._goes_on = np.isinf(mass)
+        first, count = int(np.argmax(self._goes_on)), int(self._goes_on.sum())
+        self._movers, self._paths = slice(first, first + count), movers if count else None
+        finite = np.where(self._goes_on, 0.0, mass)
+        inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(finite)]
         self._inertia = np.array(inertia, dtype=np.float64).reshape(-1, 3)
+        self._reach = shapes.radius
         self._drive_per_speed = self._inertia / dt
         self._placed = np.zeros((self._bodies, 3))
         self._twist = np.zeros((self._robots, 3))
@@ -132,20 +143,23 @@ class Physics:
 
     @property
     def touching(self) -> NDArray[np.bool_]:
-        """(N,) whether each robot touches a robot or a wall at this sample."""
+        """(N,) whether each body touches another or a wall at this sample."""
         touching = np.zeros(self._bodies, dtype=np.bool_)
         touching[split(self._pairs.key, self._bodies)] = True
         return touching[: self._robots]
 
     def step(self, command: FloatArray) -> None:
-        """Advance one step under commands (N, 2 or 3), each along its arc.
+        """Advance one step under commands (R, 2 or 3) of the robots, each along its arc.
 
         v [m/s], omega [rad/s] and, where some robot is omnidirectional, the lateral speed [m/s].
         """
         before, start, arrays = self._pairs, self._arrays.pose.copy(), self._arrays
-        self._twist[:, : command.shape[1]] = command
+        self._twist[: len(command), : command.shape[1]] = command
         chord_velocities(arrays.pose, self._twist, self._robots, self.dt, arrays.velocity)
         self.step_number += 1
+        if self._paths is not None:
+            self._put_on_paths()
+            arrays.velocity[self._movers] = (self._target - start[self._movers]) / self.dt
         pushes, to_solve = self._no_pairs, self._to_solve(before.key)
         if to_solve:
             pushes = self._hold_back(to_solve)
@@ -194,9 +208,15 @@ class Physics:
         if not np.isfinite(pose).all():
             raise PhysimError("a pose is not finite")
 
+    def _put_on_paths(self) -> None:
+        """Work out where movers are at this step."""
+        if self._paths is not None:
+            self._target = timed_poses(self._paths, self.step_number * self.dt)
+
     def _begin(self, pose: FloatArray) -> None:
         """Find what touches at sample 0, at whose poses the robots stand."""
         self.step_number = 0
+        self._put_on_paths()
         self._pairs = self._no_pairs
         self.contacts, self.false_contacts = self._no_contacts, self._no_false
         self._move(self._no_pairs, self._no_pairs, 0)
@@ -217,6 +237,7 @@ class Physics:
         arrays, wanted = self._arrays, self._arrays.velocity.copy()
         arrays.drive[:, :3] = 0.0
         np.multiply(wanted, self._drive_per_speed, out=arrays.drive[:, 3:])
+        arrays.drive[self._movers, :3] = wanted[self._movers]
         arrays.write_drive()
         pushes = self._gather(self._solve(to_solve))
         arrays.read_velocity()
@@ -233,6 +254,10 @@ class Physics:
         """Move all bodies by ``velocity`` and set ``contacts``, given the pairs ``before``."""
         arrays = self._arrays
         arrays.write_velocity()
+        if self._paths is not None:
+            arrays.read_pose()
+            arrays.pose[self._movers] = self._target
+            arrays.write_pose()
         touches = self._solve(to_solve)
         arrays.read_pose()
         now = self._gather(touches)
@@ -268,7 +293,7 @@ class Physics:
         velocity, end = arrays.velocity.copy(), self._placed[: self._solids].copy()
         last, share = np.ones((2, robots))
         way = end[:robots] - start
-        moves = Moves(self._among.joined, end, way, share, robots, self._solids)
+        moves = Moves(self._among.joined, end, way, share, self._goes_on, robots, self._solids)
         keys = self._solid_keys(before.key)
         while True:  # what stops may be met by what passed it before
             keys = np.union1d(keys, self._solid_keys(self._pairs.key))
@@ -334,7 +359,9 @@ class Physics:
         """On which robots (N,) the solver failed, (0,) for none; sets the impulses of pairs."""
         found = self._arrays.velocity
         robots, failed = self._robots, np.empty(self._robots, dtype=np.bool_)
-        any_has = failures(pairs, self._inertia, given, found, robots, self._bodies, gain, failed)
+        any_has = failures(
+            pairs, self._inertia, given, found, robots, self._bodies, gain, self._reach, failed
+        )
         return failed if any_has else failed[:0]
 
     def _to_solve(self, key: IntArray) -> int:

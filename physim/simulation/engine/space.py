@@ -1,8 +1,9 @@
-"""The pymunk space, with robots as dynamic bodies and walls as shapes of the static body.
+"""The pymunk space: robots and what they push as dynamic bodies, movers as kinematic ones, walls as
+shapes of the static body.
 
 `BodyArrays` reads and writes poses and velocities of all robots as arrays, by the functions behind
-`pymunk.batch`. Bodies are listed in the order in which they were added, dynamic ones first; the
-space's static body closes the list.
+`pymunk.batch`. Bodies are listed in the order in which they were added; the space's static body
+closes the list.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import pymunk
 from pymunk._chipmunk_cffi import ffi, lib
 from pymunk.batch import BodyFields, Buffer
 
+from physim.compiled import address_of, compiled
 from physim.geometry.polygon import moment
 from physim.geometry.shapes import FloatArray, Shapes, body_parts
 from physim.tolerances import CONTACT
@@ -41,12 +43,16 @@ MOST_WALL_CELLS = 1_000_000
 more than this, as a wall of kilometres drawn diagonally does."""
 
 
+NEVER_AMONG_THEMSELVES = pymunk.ShapeFilter(group=1)
+"""Movers and walls: what neither gives way has no contacts"""
+
+
 class Hosted(NamedTuple):
     """A space and its shapes, numbered like the parts of robots and then of walls."""
 
     space: pymunk.Space
     bodies: list[pymunk.Body]
-    """of the N robots"""
+    """of all that moves"""
     parts: list[pymunk.Shape]
     """one shape a part"""
 
@@ -75,14 +81,23 @@ def build_space(
         # Origin and centre of gravity are the reference point, so that a commanded twist, which
         # is that point's, is the body's velocity.
         own, m = body_parts(shapes, robot), float(mass[robot])
-        body = pymunk.Body(m, moment(own, m))
+        if m < np.inf:
+            body = pymunk.Body(m, moment(own, m))
+        else:
+            body = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+            put = ffi.cast("cpBodyPositionFunc", address_of(stay))
+            lib.cpBodySetPositionUpdateFunc(body._body, put)
         body.position, body.angle = (x, y), heading
         polygons = [_solid(body, part) for part in own]
         space.add(body, *polygons)
         bodies.append(body)
         parts += polygons
+        for shape in polygons if m == np.inf else ():
+            shape.filter = NEVER_AMONG_THEMSELVES
     for wall in range(len(walls.body_start) - 1):
         solids = [_solid(space.static_body, part) for part in body_parts(walls, wall)]
+        for shape in solids if np.isinf(mass).any() else ():
+            shape.filter = NEVER_AMONG_THEMSELVES
         space.add(*solids)
         parts += solids
     for shape in parts:
@@ -90,6 +105,15 @@ def build_space(
         shape.friction = float(np.sqrt(friction))
         shape.elasticity = float(np.sqrt(elasticity))
     return Hosted(space, bodies, parts)
+
+
+@compiled
+def stay(body: int) -> None:
+    """Called by the engine to move a mover in a solve: its pose is written, before the solve.
+
+    The engine hands over the time, too, which is not taken.
+    """
+    return
 
 
 def _solid(body: pymunk.Body, part: FloatArray) -> pymunk.Shape:
@@ -117,13 +141,13 @@ _DRIVE = _VELOCITY | BodyFields.FORCE | BodyFields.TORQUE
 
 
 class BodyArrays:
-    """Reads and writes the N robots of a space; the arrays are shared with the engine.
+    """Reads and writes the N bodies of a space that move; the arrays are shared with the engine.
 
     Fill ``pose``, ``velocity`` or ``drive`` and call the method of that name to pass it on.
     """
 
     def __init__(self, space: pymunk.Space, robots: int) -> None:
-        """Attach to a space that has ``robots`` dynamic bodies."""
+        """Attach to a space that has ``robots`` bodies that move."""
         self.pose, self.read_pose, self.write_pose = _shared(space, robots, 3, _POSE)
         """(N, 3) x, y [m], heading [rad, unwrapped], as last read or to be written"""
         self.velocity, self.read_velocity, self.write_velocity = _shared(

@@ -17,10 +17,11 @@ import shapely
 from physim.errors import Fault, Location, WorldError, place_text
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
-from physim.world import RandomCorridor, World, each_robot
+from physim.world import Obstacle, RandomCorridor, World, each_robot
 from physim.world.ground.area import accessible_area, united
 from physim.world.ground.corridor import corridor_boundaries
 from physim.world.ground.lines import meet_more_often, segments_of, thinned
+from physim.world.layout.moved import moved_faults, mover_step_faults, way_faults
 from physim.world.layout.road import drawn_road
 from physim.world.layout.robots import footprints_of, paths_of
 from physim.world.layout.shape_checks import (
@@ -49,12 +50,22 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
     _check_regions(world, faults)
     robots, entries = each_robot(world.robots, world.seed)
     footprints = footprints_of(world, robots, faults)
-    for k, ring in enumerate(world.obstacles):
+    obstacles, pushed = list[FloatArray](), dict[int, FloatArray]()
+    for k, entry in enumerate(world.obstacles):
+        is_pushed = isinstance(entry, Obstacle)
+        ring = entry.corners if isinstance(entry, Obstacle) else entry
         if message := outline_fault(ring):
-            faults.append(Fault(("obstacles", k), message))
+            where: Location = ("obstacles", k, *(("corners",) if is_pushed else ()))
+            faults.append(Fault(where, message))
+        elif is_pushed:
+            pushed[k] = np.array(ring)
+        else:
+            obstacles.append(np.array(ring))
+    for k, mover in enumerate(world.movers):
+        if message := outline_fault(mover.outline):
+            faults.append(Fault(("movers", k, "footprint"), message))
     _raise(faults)
-    centreline = widths = passage = None
-    obstacles, line = [np.array(ring) for ring in world.obstacles], None
+    centreline = widths = passage = line = None
     if world.reference_path is not None:
         line = np.array(world.reference_path)
     if isinstance(world.corridor, RandomCorridor):
@@ -68,19 +79,21 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
     boundaries = _boundaries(world, centreline, widths, faults)
     paths = paths_of(world, robots, entries, reference, faults)
     faults += step_faults(world.time.step, robots, entries, footprints)
+    faults += mover_step_faults(world.time.step, world.movers)
     _raise(faults)
     lines = list(boundaries.values())
     try:
         area = accessible_area(lines, obstacles, reference)
     except ValueError as error:
-        where: Location = ("corridor",) if world.boundaries is None else ("boundaries",)
+        where = ("corridor",) if world.boundaries is None else ("boundaries",)
         message = f"{error}; {gaps([wall_label(name) for name in boundaries], lines)}"
         raise WorldError([Fault(where, message)]) from error
     laid = Layout(
         world, robots, entries, centreline, widths, boundaries, obstacles, reference, area,
-        footprints, paths, np.empty((0, 3)), passage,
+        footprints, paths, np.empty((0, 3)), passage, pushed,
     )  # fmt: skip
     _check_ground(laid, faults)
+    faults += way_faults(laid)
     _raise(faults)
     return placed(laid)
 
@@ -88,7 +101,7 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
 def placed(laid: Layout) -> Layout:
     """The layout with the robots where its world and seed put them; WorldError if it cannot."""
     laid = replace(laid, start=start_poses(laid))
-    _raise(standing_faults(laid))
+    _raise([*standing_faults(laid), *moved_faults(laid)])
     return laid
 
 

@@ -18,6 +18,7 @@ from physim.geometry.shapes import (
     pack_parts,
     pack_polylines,
 )
+from physim.geometry.timed_paths import timed_paths
 from physim.geometry.walls import build_wall_tree
 from physim.parts.registry import CONTROLLER, find_part, shipped_parts
 from physim.units import joined
@@ -51,8 +52,10 @@ def scene_of(laid: Layout) -> Scene:
     )
     formation = _formation(laid)
     names = [("robot", robot.name) for robot in laid.robots]
+    names += [(one.kind, one.name) for one in laid.moved]
     names += [("boundary", name) for name in laid.boundaries]
-    names += [("obstacle", f"obstacle {k + 1}") for k in range(len(laid.obstacles))]
+    names += [("obstacle", f"obstacle {k + 1}") for k in laid.standing]
+    movers = world.movers
     paths = pack_polylines(laid.paths)
     return Scene(
         world=world,
@@ -60,15 +63,24 @@ def scene_of(laid: Layout) -> Scene:
         dt=world.time.step,
         steps=round(world.time.duration / world.time.step),
         bodies=tuple(Body(k, kind, name) for k, (kind, name) in enumerate(names)),
-        shapes=pack_parts(shared(convex_parts, footprints)),
+        shapes=pack_parts([
+            *shared(convex_parts, footprints), *(convex_parts(one.outline) for one in laid.moved),
+        ]),
         walls=walls,
         wall_tree=build_wall_tree(walls),
         mass=np.array([
-            DENSITY * abs(size) if robot.mass is None else robot.mass
-            for robot, size in zip(laid.robots, shared(signed_area, footprints), strict=True)
+            *(
+                DENSITY * abs(size) if robot.mass is None else robot.mass
+                for robot, size in zip(laid.robots, shared(signed_area, footprints), strict=True)
+            ),
+            *(one.mass for one in laid.moved),
         ]),
         limits=np.array([(robot.limits.v, robot.limits.omega) for robot in laid.robots]),
         start=laid.start,
+        movers=timed_paths(
+            [one.poses for one in movers], [one.moments for one in movers],
+            [one.repeat for one in movers],
+        ),
         paths=paths,
         reference=pack_polylines([laid.reference]),
         outside=tuple(shared(laid.area.outside_stretches, laid.paths)),

@@ -49,7 +49,9 @@ def start_poses(laid: Layout) -> FloatArray:
     Raises WorldError when a region does not hold its robots.
     """
     world = laid.world
-    occupied = Occupancy(laid.footprints, [shape for _, shape in (*laid.walls, *laid.solids)])
+    around = [shape for _, shape in (*laid.walls, *laid.solids)]
+    around += [placed_outline(one.outline, one.start) for one in laid.moved]
+    occupied = Occupancy(laid.footprints, around)
     along, lines = PathFrame(laid.reference), shared(shapely.LineString, laid.paths)
     poses = np.full((len(laid.robots), 3), np.nan)
     groups: dict[tuple[Start, bool], list[int]] = {}

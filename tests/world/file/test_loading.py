@@ -79,7 +79,8 @@ def test_all_faults_come_at_once_in_the_order_of_the_file():
     text = text.replace("width: 8.0", 'width: "8"')
     keys = (
         "name, description, seed, time, corridor, boundaries, reference_path, start, robots, "
-        "formation, controller, sensing, filters, disturbances, arrival, obstacles, expect, physics"
+        "formation, controller, sensing, filters, disturbances, arrival, obstacles, movers, "
+        "expect, physics"
     )
     expected = [
         ("w.yaml:3:1: sead:", "unknown", f"allowed: {keys};", '"seed"'),

@@ -106,7 +106,8 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
     )
     lines = wrapped(head, "", "  ")
     if swept := len(validation.grazes):
-        lines.append(f"  {swept} of them between samples, apart at the one before and after")
+        why = "where the engine does not look" if run.setup.judged is None else "apart at both"
+        lines.append(f"  {swept} of them between samples, {why}")
     pairs: dict[tuple[int, int], list[Contact]] = {}
     for one in every:
         pairs.setdefault((one.a, one.b), []).append(one)

@@ -105,7 +105,7 @@ def run_data(
         ],
         "explained": timeline.explained_modes,
         "modeless": timeline.modeless,
-        "judged": record.judged is not None,
+        **({} if record.judged is None else {"judged": True}),
         "columns": [vars(column) for column in record.declared.columns],
         "signs": list(signs(timeline, ground(timeline))),
         "drivers": [one._asdict() for one in timeline.drivers],

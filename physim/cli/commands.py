@@ -54,6 +54,7 @@ GROUPS = {
         "replay": ("replay:replay", "repeat one run of a sweep, with record and video"),
         "report": ("report:report", "report how often contacts happen, and the worst runs"),
         "compare": ("compare:compare", "compare A with B on the same seeds: which is better?"),
+        "bear": ("bear:bear", "find how much noise, delay or loss a world can bear"),
         "falsify": ("falsify:falsify", "search for the worst case and reduce it"),
         "reproduce": ("reproduce:reproduce", "repeat the paper's experiments; compare the results"),
     },

@@ -216,7 +216,8 @@ def _moved(axis: Any, timeline: Timeline, at: IntArray) -> list[Any]:
     scene, handles = timeline.scene, []
     poses = timeline.record.moving_pose[at][:, timeline.robots :] if scene.moved else ()
     outlines = [one.rings[0] for one in scene.moved_shapes]
-    for key, word in (("mover", ", ".join(map(short, scene.mover_names))), ("obstacle", PUSHED)):
+    called = short(", ".join(scene.mover_names), LONGEST)
+    for key, word in (("mover", called), ("obstacle", PUSHED)):
         which = [k for k, kind in enumerate(scene.moved_keys) if kind == key]
         shapes = [placed(outlines[k], pose[k]) for pose in poses for k in which]
         if shapes:

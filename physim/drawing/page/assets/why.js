@@ -97,7 +97,7 @@ function told({ column, value, enter, leave }, who) {
 /** Name of the nearest of the robots that were considered in a decision; empty without. */
 function nearest(view, robot, row) {
   const { run, fleet } = view;
-  const pose = run.poses(run.step[row] * run.dt, new Float64Array(3 * run.robots));
+  const pose = run.poses(run.step[row] * run.dt, new Float64Array(3 * run.moving));
   let least = Infinity;
   let found = "";
   for (const other of (run.considered(row) ?? []).slice(0, MOST_LOOKED_AT)) {
@@ -155,8 +155,8 @@ function factTable(run, robot, row, go, time) {
   if (why.robots) add("controller", why.controller);
   const others = run.considered(row);
   if (others) {
-    const buttons = others.slice(0, MOST_OTHERS).map((other) =>
-      button(run.names[other], () => go({ robot: other }), { class: "link" }));
+    const buttons = others.slice(0, MOST_OTHERS).map((other) => (other < run.robots
+      ? button(run.names[other], () => go({ robot: other }), { class: "link" }) : run.names[other]));
     const more = others.length > MOST_OTHERS ? [`and ${others.length - MOST_OTHERS} more`] : [];
     add("considered", ...(others.length ? [...buttons, ...more] : ["no robot"]));
   } else if (at("considered") >= 0) add("considered", plural(at("considered"), "robot"));

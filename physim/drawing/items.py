@@ -74,7 +74,11 @@ def items(scene: SceneModel) -> list[Item]:
         Item("reference path", (scene.reference,), "reference", 2.0, Level.REFERENCE),
         *_paths(scene),
         Item(
-            "way of a mover", [line for way in scene.ways for line in way], "way", 1.5, Level.PATH,
+            "way of a mover",
+            [line for way in scene.ways for line in way],
+            "way",
+            1.5,
+            Level.PATH,
             DOTS,
         ),
         Item("obstacle", edges, "wall", 1.0, Level.WALL),

@@ -56,8 +56,8 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class SceneModel:
-    """N robots, what moves beside them, and all that does not move; lengths [m], angles [rad], world
-    frame unless said."""
+    """N robots, what moves beside them, and what does not; lengths [m], angles [rad], world frame
+    unless said."""
 
     name: str
     seed: int
@@ -72,8 +72,8 @@ class SceneModel:
     moved_start: FloatArray
     """(M, 3) poses of these M bodies at sample 0, as of ``start``"""
     ways: tuple[tuple[FloatArray, ...], ...]
-    """lines (n, 2) of each mover: where its reference point goes; of one that turns at one place its
-    outlines at the waypoints"""
+    """lines (n, 2) of each mover: where its reference point goes; of one that turns at one place
+    its outlines at the waypoints"""
     boundaries: tuple[FloatArray, ...]
     """polylines (n, 2)"""
     obstacles: tuple[FloatArray, ...]
@@ -129,7 +129,8 @@ class SceneModel:
         """Model of the scene in a record."""
         nowhere = np.full((record.moving, 3), np.nan)
         start = record.moving_pose[0] if record.samples else nowhere
-        beside, movers = range(record.robots, record.moving), ()
+        beside = range(record.robots, record.moving)
+        movers: tuple[Mover, ...] = ()
         if any(record.bodies[body].kind == "mover" for body in beside):
             with suppress(PhysimError):  # the world inside is faulty: it shows none
                 movers = record.world.movers

@@ -251,10 +251,10 @@ class Timeline:
 
     @cached_property
     def distances(self) -> Curves:
-        """The least distances of all robots to what moves and to walls; those there are of the two."""
-        record = self.record
+        """The least distances of all robots to all that moves, and to walls, where there are any."""
+        record, is_alone = self.record, self.moving == self.robots
         least = {
-            "robots" if self.moving == self.robots else "others": (record.clearance.min(axis=1), INK),
+            "robots" if is_alone else "others": (record.clearance.min(axis=1), INK),
             "walls": (record.boundary_clearance.min(axis=1), BAND),
         }
         names = [name for name, (line, _) in least.items() if np.isfinite(line).any()]

@@ -125,8 +125,8 @@ def make_figure(seen: Contents, format: str = "png") -> Any:
     names = [shortened(name, LONGEST_NAME) for name in called]
     if format != "svg":  # who looks at an SVG has fonts of their own
         names = [
-            n if signs.issuperset(map(ord, n)) else f"{scene.bodies[i].kind} {i + 1}"
-            for i, n in enumerate(names)
+            n if signs.issuperset(map(ord, n)) else f"{body.kind} {body.id + 1}"
+            for n, body in zip(names, scene.bodies, strict=False)
         ]
     above, below = figure.add_axes(MAP), figure.add_axes(PROFILE)
     for side in above.spines.values():

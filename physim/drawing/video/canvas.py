@@ -367,7 +367,7 @@ def draw_moved(
 ) -> None:
     """Draw what moves beside robots, the last of a fleet, at poses (B, 3) in colours ``faces``.
 
-    Without marks of headings, in firm outlines: of one that touches something in the contact colour.
+    Without marks of headings, and with firm outlines, in the contact colour of what touches.
     """
     first = len(pose) - len(faces)
     edges = [palette.CONTACT if one else palette.WALL for one in touching[first:].tolist()]

@@ -62,7 +62,8 @@ BELOW = 134
 NO_MODES, NO_MODE = "robot; no modes are given", "robot without a mode"
 DEEP = "too deep: not physical"
 GROUND = (
-    "path", "way of a mover", "reference path", "boundary", "obstacle", "safe area", "danger area", "accessible area"
+    "path", "way of a mover", "reference path", "boundary", "obstacle", "safe area", "danger area",
+    "accessible area",
 )  # fmt: skip
 """What of the ground the legend explains, in its order"""
 KEPT = ("safe area", "danger area")

@@ -166,7 +166,7 @@ def closest(timeline: Timeline, now: Moment) -> Pair | None:
     pairs = [two(timeline.record, (min(a, b), max(a, b)), now) for b in near.tolist()]
     # of several that it overlaps the deepest
     their = np.append(clearance, np.full(timeline.moving - timeline.robots, np.inf))[near]
-    k = int(np.lexsort((their, [pair.distance for pair in pairs]))[0])
+    k = int(np.lexsort((their, np.array([pair.distance for pair in pairs])))[0])
     return pairs[k]._replace(distance=float(clearance[a]))
 
 

@@ -133,7 +133,7 @@ export class View {
     const [x, y] = toPixels(lens, pose[3 * robot], pose[3 * robot + 1]);
     const name = this.run.names[robot];
     const words = (name.length > 18 ? `${name.slice(0, 17)}…` : name) + (this.run.marks[robot] ?? "");
-    return { words, x, y, up: this.fleet.reach[robot] * lens.scale * 0.8 + 9, bold: isChosen, robot };
+    return { words, x, y, up: this.fleet.reach[robot] * lens.scale * (robot < this.run.robots ? 0.8 : 1) + 9, bold: isChosen, robot };
   }
 
   /** Marks the points that robots are steered by where they lie far from their middle. */

@@ -251,7 +251,7 @@ class Timeline:
 
     @cached_property
     def distances(self) -> Curves:
-        """The least distances of all robots to all that moves, and to walls, where there are any."""
+        """The least distances of all robots to what moves, and to walls, where there are any."""
         record, is_alone = self.record, self.moving == self.robots
         least = {
             "robots" if is_alone else "others": (record.clearance.min(axis=1), INK),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -126,7 +127,7 @@ def test_plots_draw_them_beside_the_robots(record: Record) -> None:
 
 
 @pytest.mark.deep
-def test_the_browser_draws_them(browser: object, record: Record, tmp_path: Path) -> None:
+def test_the_browser_draws_them(browser: Any, record: Record, tmp_path: Path) -> None:
     seen = Seen(browser, physim.page(record).write(tmp_path / "yard.html"))
     pose = np.reshape(seen.drawn_at(3.0)["pose"], (-1, 3))
     assert np.abs(pose - record.pose_at(150)).max() < 0.005

@@ -105,7 +105,9 @@ def bear(
         grid = make_grid(
             [world], seeds, [*set, over.axis], [] if controller is None else [controller]
         )
-    tell(grid.warnings)
+    own = [line for line in grid.warnings if line.startswith(f"--set {over.key}:")]
+    tell(line for line in grid.warnings if line not in own)
+    tell(line.replace(f"--set {over.key}", f"--vary {vary}", 1) for line in own[:1])
     if grid.fixed:
         raise PhysimError(
             f"{stem_of(world)}: nothing is random in it, so that a strength has no rate; {TO_DRAW}"
@@ -117,7 +119,7 @@ def bear(
     def turn(known: Mapping[int, Decision]) -> int | None:
         nonlocal now
         k = next_strength(known, len(strengths) - 1)
-        now = "" if k is None else f"strength {len(known) + 1}: {vary} = {strengths[k]:g}"
+        now = "" if k is None else f"{vary} = {strengths[k]:g}"
         return k
 
     steps = 2 + math.ceil(math.log2(len(strengths)))

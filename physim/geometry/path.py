@@ -148,9 +148,12 @@ def track(
     return station, deviation, near
 
 
-def project_near(lines: Polylines, k: int, x: float, y: float, near: float) -> float:
-    """Station [m] of the point of path k next to (x, y), by `track` from ``near`` on."""
-    return float(track(lines, k, x, y, near, SHORTEST_WINDOW)[0])
+@compiled
+def put_projected(lines: Polylines, pose: Rows3, first: int, end: int, station: FloatArray) -> None:
+    """Write the stations (n,) [m] on the first polyline of the points of it next to bodies at
+    ``pose`` (n, 3), of those from ``first`` to ``end`` - 1."""
+    for i in range(first, end):
+        station[i], _, _ = project(lines, 0, pose[i, 0], pose[i, 1], -np.inf, np.inf)
 
 
 @dataclass(frozen=True, init=False, eq=False)

@@ -6,7 +6,16 @@ import itertools
 
 import numpy as np
 
-from physim import FormationView, Neighbour, Observation, ObservedRobot, Scene, Sensed, Wall
+from physim import (
+    FormationView,
+    Neighbour,
+    Observation,
+    ObservedRobot,
+    Scene,
+    Sensed,
+    Vehicle,
+    Wall,
+)
 from physim.geometry import Shapes
 from tests.helpers import inside
 
@@ -20,7 +29,7 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
     rows = sensed.rows(i)
     known = sensed.robot[rows]
     pose, station = sensed.pose[rows], sensed.reference_station[rows]
-    command, age = sensed.command[rows], sensed.age[rows]
+    command, age, heard = sensed.command[rows], sensed.age[rows], sensed.heard[rows]
     velocity = sensed.velocity[rows]
     me = int(np.flatnonzero(known == i)[0])
     time = sensed.step * scene.dt
@@ -51,7 +60,7 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
                 index=int(known[row]),
                 station=float(station[row]),
                 lead=float(plan.lead[known[row]]),
-                time=time - float(age[row]),
+                time=time - float(heard[row]),
             )
             for row in (_neighbours(scene, i, me, known, station) if plan.active else ())
         ),
@@ -72,6 +81,9 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
         range=reach,
         dt=scene.dt,
         formation=FormationView(plan.active, plan.gain, plan.speed, plan.v_min, plan.v_max),
+        vehicle=Vehicle(
+            "unicycle", float(command[me, 0]), float(command[me, 1]), 0.0, 0.0, float("inf"), None
+        ),
         speeds=scene.speeds[i],
         omegas=scene.omegas[i],
     )

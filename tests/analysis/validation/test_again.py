@@ -262,3 +262,19 @@ def test_a_coarse_record_that_breaks_off_is_judged_up_to_there(careless, ended, 
     assert states(told.out, *words)
     written = json.loads(target.read_text(encoding="utf-8"))["run"]
     assert (written["ended"], written["samples"]) == (ended, 101)
+
+
+def test_what_was_sensed_is_held_against_the_run_simulated_again(tmp_path: Path) -> None:
+    path = tmp_path / "sensed.h5"
+    world = physim.parse_world(LANE, overrides=["time.duration=1", "expect=null"])
+    physim.simulate(world, path=path, save=physim.SaveAt(sensed=True)).close()
+    assert said("validate", str(path)).code == 0
+
+    def shift(file: h5py.File) -> None:
+        rows = file["/sensed"][()]
+        rows["vy"][3] += 0.01
+        file["/sensed"][...] = rows
+
+    done = forged(path, shift)
+    assert done.code == 3
+    assert "/sensed, row 3, vy is 0.01 in the record" in " ".join(done.out.split())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -31,13 +31,15 @@ from physim.campaigns.spec import Label, RunSpec
 from physim.errors import PhysimError
 from physim.files import write_text, write_whole
 from physim.json_text import json_text
-from physim.statistics import Decision, Goal, Watch, read_goal
+from physim.statistics import CONFIDENCE, Decision, Goal, Watch, read_goal
 
 FLUSH_SECONDS = 0.2
 """[s] after which a row is on disk at the latest"""
 
 Decided = Callable[[Came], bool]
 """Whether enough is known, told what came of one run after the other, in the order of specs"""
+Turn = Callable[[Mapping[int, Decision]], int | None]
+"""Number of the cell that is next, given what came of the goal in others; None when all is done"""
 
 
 @dataclass
@@ -118,39 +120,47 @@ def sweep_until(
     executors: Callable[[], AbstractContextManager[Workers]],
     goal: Goal,
     *,
+    confidence: float = CONFIDENCE,
+    turn: Turn | None = None,
     keep: str = "none",
     judged: bool = False,
     retry: bool = False,
     stop: Stop = never,
     progress: Callable[[Tally], None] = silent,
-) -> tuple[Tally, dict[Label, Decision]]:
+) -> tuple[Tally, dict[int, Decision]]:
     """Do the runs of a grid with seeds, cell after cell, each until the goal is decided in it.
 
     A cell in which nothing is random is run once and decides nothing. ``executors`` makes one for
-    each cell, since it has to give up what is under way when a cell is decided. Returns all counts,
-    and what came of the goal in each cell whose runs count. Raises PhysimError as `sweep` does.
+    each cell, since it has to give up what is under way when a cell is decided. ``turn`` chooses
+    the cells; without it all have their turn. ``confidence`` is that of each decision. Returns all
+    counts, and what came of the goal in each cell whose runs count, by its number in the grid.
+    Raises PhysimError as `sweep` does.
     """
     assert grid.seeds is not None
     place, tally = Folder(folder), Tally(len(grid))
-    watches: dict[Label, Watch] = {}
+    watches: dict[int, Watch] = {}
+    cells = iter(range(len(grid.cells)))
     place.open(grid.cells, None, grid.shard)
     try:
         if len(grid.fixed) < len(grid.cells):
             write_until(folder, Until(goal, grid.seeds[0]))
-        for k, cell in enumerate(grid.cells):
-            part = replace(grid, cells=(cell,), fixed=frozenset((0,) if k in grid.fixed else ()))
-            watch = None if k in grid.fixed else Watch(goal)
+        while not tally.interrupted:
+            known = {k: watch.decision for k, watch in watches.items()}
+            k = next(cells, None) if turn is None else turn(known)
+            if k is None:
+                break
+            is_fixed = k in grid.fixed
+            part = replace(grid, cells=(grid.cells[k],), fixed=frozenset((0,) if is_fixed else ()))
+            watch = None if is_fixed else Watch(goal, confidence)
             if watch is not None:
-                watches[cell.label] = watch
+                watches[k] = watch
             decided = None if watch is None else partial(_decides, watch)
             with executors() as executor:
                 _work(place, part, executor, keep, judged, retry, stop, progress, decided, tally)
-            if tally.interrupted:
-                break
         write_results(place.path)
     finally:
         place.close()
-    return tally, {label: watch.decision for label, watch in watches.items()}
+    return tally, {k: watch.decision for k, watch in watches.items()}
 
 
 def _decides(watch: Watch, came: Came) -> bool:

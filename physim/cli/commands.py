@@ -25,6 +25,7 @@ GROUPS = {
     "run": {
         "list": ("listing:listing", "list worlds, controllers and other parts"),
         "run": ("run:run", "run a world; write record, video and summary"),
+        "branch": ("branch:branch", "go on from a moment of a run with something changed"),
         "summary": ("listing:summary", "print contacts, distances and times of a record"),
         "plot": ("pictures:plot", "draw the figures of a record"),
         "video": ("pictures:video", "make a film or a still of one record, or of two"),
@@ -52,6 +53,7 @@ GROUPS = {
         "replay": ("replay:replay", "repeat one run of a sweep, with record and video"),
         "report": ("report:report", "report how often contacts happen, and the worst runs"),
         "compare": ("compare:compare", "compare A with B on the same seeds: which is better?"),
+        "bear": ("bear:bear", "find how much noise, delay or loss a world can bear"),
         "falsify": ("falsify:falsify", "search for the worst case and reduce it"),
         "reproduce": ("reproduce:reproduce", "repeat the paper's experiments; compare the results"),
     },
@@ -164,7 +166,8 @@ def _run(name: str, app: App, words: list[str]) -> int:
             kept = {"out": out} if "out" in more else {}
             return int(function(*bound.args, **bound.kwargs, **kept))
     except PhysimError as error:
-        if getattr(given.get("changes"), "traceback", False) and error.__cause__ is not None:
+        told = given.get("traceback", getattr(given.get("changes"), "traceback", False))
+        if told and error.__cause__ is not None:
             traceback.print_exception(error.__cause__)
         raise
 

@@ -18,7 +18,12 @@ CUT_SHORT = ".cut_short"
 STDOUT = Path("-")
 """What stands for standard output where a file is asked for."""
 SUMMARY = "summary.json"
-FILES = ("record.h5", "video.mp4", f"video{CUT_SHORT}.mp4", SUMMARY, "page.html")
+BOTH, BOTH_PAGE = "both.mp4", "both.html"
+"""A branch beside its original"""
+FILES = (
+    "record.h5", "video.mp4", f"video{CUT_SHORT}.mp4", SUMMARY, "page.html", BOTH,
+    f"both{CUT_SHORT}.mp4", BOTH_PAGE,
+)  # fmt: skip
 PAGE, WORLD = (".html", ".htm"), (".yaml", ".yml")
 """How files end"""
 

@@ -41,6 +41,7 @@ def run(
       --observer NAME  attach a registered observer (physim list) or your own, as module:Class (may
           be repeated)
       --keep-states S  keep the state of the run every S seconds, so that other runs can start there
+          (default: as often as physim branch needs to start at once)
       --keep-sensed  keep what each robot sensed when it decided
       --from T  start from the state at T [s] that a record kept (give it as WORLD); you may change
           --controller, and with --set any key that moves no body
@@ -103,7 +104,7 @@ def run(
             with Bar(scene.world.name, scene.steps * scene.dt, "s at most", quiet) as bar:
                 record = record_run(
                     simulation, observers=observers, path=folder / "record.h5",
-                    save=SaveAt(states=keep_states, sensed=keep_sensed),
+                    save=SaveAt(states=keep_states or "usual", sensed=keep_sensed),
                     progress=bar.simulated if bar.visible else None, stop=interrupt,
                 )  # fmt: skip
         except LateError as error:  # in an observer, after the last step

@@ -151,7 +151,8 @@ def sweep(
             with team() as members:
                 tally = do_runs(grid, folder, members, **how)
         else:
-            tally, decisions = sweep_until(grid, folder, team, until, **how)
+            tally, by_number = sweep_until(grid, folder, team, until, **how)
+            decisions = {grid.cells[k].label: one for k, one in by_number.items()}
     if tally.interrupted:
         print(
             f"interrupted: {tally.known:,} of {plural(tally.asked, 'run')} done, "

@@ -150,8 +150,9 @@ def _run_again(record: Record, controller: Controller | None, quiet: bool) -> Re
 
     Raises PhysimError where it has to be, for what the record lacks.
     """
-    from physim.analysis.validation.rerun import AgainError, run_again, simulation_again
+    from physim.analysis.validation.rerun import run_again
     from physim.analysis.validation.validation import missing
+    from physim.simulation.again import AgainError, simulation_again
 
     try:
         simulation = simulation_again(record, controller=controller)

@@ -8,6 +8,7 @@ angles radians, times seconds, in the world frame; steps count from 0, the start
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import (
     Annotated,
@@ -89,6 +90,23 @@ def numbered(bodies: tuple[Body, ...]) -> tuple[Body, ...]:
     return bodies
 
 
+@dataclass(frozen=True)
+class Origin:
+    """The run that a branch went on from, at its first sample."""
+
+    digest: Annotated[str, Field(pattern="^([0-9a-f]{64})?$")] = ""
+    """that of its record; empty where the run is no branch of a record"""
+    changed: dict[Line, tuple[Line, Line]] = field(default_factory=dict)
+    """value of a key of the world before and after, for each that was changed"""
+
+    def __str__(self) -> str:
+        """What was changed, in words."""
+        words = [f"{key} from {before} to {after}" for key, (before, after) in self.changed.items()]
+        return ", ".join(words) or "nothing"
+
+
+NO_ORIGIN = Origin()
+
 Whole = Annotated[int, Field(strict=True, ge=0, le=2**63 - 1)]
 Steps = Annotated[int, Field(strict=True, ge=0, le=MOST_STEPS)]
 Ended = Literal["running", "finished", "duration", "interrupted", "error"]
@@ -152,6 +170,12 @@ class Attributes:
     given_settings: Annotated[
         Json[tuple[GivenSettings, ...]],
         "JSON list: for each part in given, what differs from its defaults and what is not known",
+    ]
+    origin: Annotated[
+        Json[Origin],
+        Field(default=NO_ORIGIN),
+        "of a branch alone, JSON object: digest of the record that it went on from, and changed, "
+        "for each key of the world that is another [before, after]",
     ]
     versions: Annotated[
         Json[dict[str, str]], "JSON object: versions of physim and its libraries, and the processor"

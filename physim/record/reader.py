@@ -239,6 +239,14 @@ class Record(layout.Layout):
         world's own controller."""
         return dict(self.given).get("controller", "")
 
+    @property
+    def controller_name(self) -> str:
+        """The world's own controller: ``module:Class`` of one given from Python, or as the world
+        inside names it; empty where there is no text of a world."""
+        if self.controller or not self.world_text.strip():
+            return self.controller
+        return self.world.controller.type
+
     @cached_property
     def setup(self) -> Setup:
         """Controller, stages and versions of the run. RecordError where its world is no YAML."""

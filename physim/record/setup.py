@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from physim.record.layout import NO_ORIGIN, Origin
 from physim.units import joined
 from physim.world.group import drivers_of
 from physim.world.kinds import MOST_ROBOTS
@@ -66,6 +67,10 @@ class Setup:
     """of physim and its libraries; empty where the record does not say"""
     names: tuple[str, ...] = ()
     """of the robots"""
+    origin: Origin = NO_ORIGIN
+    """of a branch: of which record, and what was changed"""
+    begun: float = 0.0
+    """[s] of the first sample"""
 
     @property
     def controller(self) -> Part:
@@ -91,12 +96,17 @@ class Setup:
             each = (f"{part} for {self.who(some)}" for part, some in self.controllers)
             controllers = "; ".join(each)
         found = [("controller", controllers), *stages, ("from Python", ", ".join(self.others))]
+        if (origin := self.origin).digest:
+            words = f"record {origin.digest[:12]} from {self.begun:g} s on; changed: {origin}"
+            found.append(("branch of", words))
         return [(word, text) for word, text in found if text]
 
     def to_dict(self) -> dict[str, Any]:
         """Controller and stages with their settings, and what came from Python, for JSON."""
         stages = {word: [part.to_dict() for part in parts] for word, parts in self.stages.items()}
         found = {"controller": self.controller.to_dict(), **stages, "from_python": self.others}
+        if self.origin.digest:
+            found["branch_of"] = asdict(self.origin) | {"time_s": self.begun}
         if len(self.controllers) > 1:
             found["controllers"] = [
                 {**part.to_dict(), "robots": some} for part, some in self.controllers
@@ -145,6 +155,8 @@ def setup_of(record: Record) -> Setup:
         others=tuple(f"{kind} {part}" for kind, part in parts if kind != "controller"),
         versions=record.versions,
         names=record.names,
+        origin=record.origin,
+        begun=record.begun,
     )
 
 

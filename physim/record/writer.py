@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 NOTHING = Declared()
 LIBRARIES = ("physim", "numpy", "pymunk", "shapely", "h5py")
 CHUNK_BYTES = 1 << 18
+STATE_CHUNK = 1 << 13
+"""Of kept states there are few."""
 BUFFER_BYTES = 1 << 21
 
 
@@ -102,6 +104,7 @@ class RecordWriter:
         given_settings: Sequence[GivenSettings] = (),
         begun_at: int = 0,
         begun_along: ArrayLike | None = None,
+        origin: layout.Origin = layout.NO_ORIGIN,
         flush_every_s: float = 0.5,
         overwrite: bool = True,
     ) -> None:
@@ -113,8 +116,9 @@ class RecordWriter:
         ``tables`` the optional ones that the run fills, ``given`` the parts that came from Python,
         with their ``given_settings`` where these are known. ``begun_at`` is the step of the
         first sample, ``begun_along`` (N, 3) [m] where robots are then, as `Layout.begun_along` has
-        it. Raises RecordError where the file cannot be written, where another run is writing it,
-        and, without ``overwrite``, where it exists; PhysimError for what is no regular file.
+        it; ``origin`` is what a branch of a record went on from. Raises RecordError where the file
+        cannot be written, where another run is writing it, and, without ``overwrite``, where it
+        exists; PhysimError for what is no regular file.
         """
         world = getattr(scene, "world", None)
         every = record_every or (int(world.time.record_every) if world else 1)
@@ -152,6 +156,8 @@ class RecordWriter:
             "given_settings": list(given_settings),
             "versions": _versions(),
         }
+        if origin.digest:
+            attributes["origin"] = asdict(origin)
         packed = {
             "shapes": scene.shapes,
             "walls": scene.walls,
@@ -194,7 +200,8 @@ class RecordWriter:
             return self._file.create_dataset(path, data=self._values[path], dtype=one.dtype)
         row = self.types[path]
         most = samples if path in layout.STEPS else samples * self.robots
-        rows = max(1, min(CHUNK_BYTES // row.itemsize, most))
+        is_state = path in (layout.Layout.states.path, layout.Layout.state_bytes.path)
+        rows = max(1, min((STATE_CHUNK if is_state else CHUNK_BYTES) // row.itemsize, most))
         return self._file.create_dataset(
             path, (0, *row.shape), row.base, maxshape=(None, *row.shape), chunks=(rows, *row.shape)
         )

@@ -14,11 +14,12 @@ from physim.errors import PhysimError
 from physim.parts.controller import Controller
 from physim.parts.declarations import NO_NUMBER
 from physim.parts.registry import DISTURBANCE, FILTER, SENSING, STAGES, Kind
-from physim.simulation.parts import Part
+from physim.simulation.parts import Part, driven_by
 from physim.simulation.state import SimulationState
 from physim.world import World
 from physim.world.differences import differences
 from physim.world.group import Driver
+from physim.world.layout.scene_builder import scene_of
 from physim.world.scene import Scene
 
 if TYPE_CHECKING:
@@ -56,27 +57,37 @@ def branch_of(
     for key in changes:
         if key in World.model_fields and key not in free:
             raise PhysimError(f"branch: {key} cannot change in mid-run; allowed: {', '.join(FREE)}")
-    world: World | Scene = scene
     if changes or isinstance(controller, str):
         world = scene.world.changed(**changes)
         check_changes(scene.world, world)
+        scene = scene_with(scene, driven_by(world, controller))
     branch = type(simulation)(
-        world, scene.seed, controller, sensing=given[SENSING], filters=given[FILTER],
+        scene, None, controller, sensing=given[SENSING], filters=given[FILTER],
         disturbances=given[DISTURBANCE],
     )  # fmt: skip
     branch.restore(taken_over(simulation, branch))
     return branch
 
 
-def check_changes(world: World, other: World) -> None:
-    """Raise PhysimError, one line, for the first key of a world that may not change in mid-run."""
-    for key, (before, after) in differences(world, other).items():
+def scene_with(scene: Scene, world: World) -> Scene:
+    """A scene with another world, in which all that was laid out stays where it is."""
+    return scene_of(replace(scene.layout, world=world))
+
+
+def check_changes(world: World, other: World) -> dict[str, tuple[str, str]]:
+    """What differs in another world, as `differences` has it.
+
+    Raises PhysimError, one line, for the first key that may not change in mid-run.
+    """
+    found = differences(world, other)
+    for key, (before, after) in found.items():
         whose = re.sub(r"^robots\.\d+\.", "robots.N.", key)
         if not f"{whose}.".startswith(tuple(f"{one}." for one in FREE)):
             raise PhysimError(
                 f"branch: {key} is {before} and cannot become {after} in mid-run; allowed: "
                 f"{', '.join(FREE)}"
             )
+    return found
 
 
 def taken_over(simulation: Simulation, branch: Simulation) -> SimulationState:

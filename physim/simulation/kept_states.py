@@ -37,7 +37,7 @@ def packed(state: SimulationState) -> bytes:
     tree = json.dumps(_tree(state, "state", arrays))
     file = io.BytesIO()
     named = {f"array{k}": array for k, array in enumerate(arrays)}
-    np.savez(file, tree=np.frombuffer(tree.encode(), np.uint8), **named)  # type: ignore[arg-type]
+    np.savez_compressed(file, tree=np.frombuffer(tree.encode(), np.uint8), **named)  # type: ignore[arg-type]
     return file.getvalue()
 
 

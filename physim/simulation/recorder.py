@@ -12,7 +12,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,9 @@ BLOCK_SECONDS = 0.3
 """[s] of computing after which a block goes to the record, however short."""
 SAMPLE_BYTES = 40
 """of a robot in a sample: its pose and two clearances"""
+STATE_WORK, STEP_WORK = 25_000, 5
+"""Steps of robots from one kept state to the next where a run keeps them by default, and how many a
+step costs beside those of its robots: some 50 ms of computing, and 1 to 8 % of the file."""
 
 
 @dataclass(frozen=True)
@@ -50,12 +53,14 @@ class SaveAt:
     None; ``tables``, those of updates, considered, contacts and false_contacts that are kept.
     Samples and commands are always there: without them a record could not be held against anything.
     ``states`` [s]: from one kept state to the next, from which `physim.state_at` lets another run
-    start. ``sensed``: whether what each robot sensed when it decided is kept, see `Record.sensed`.
+    start; "usual": as often as a branch needs to begin at once, and none where a part remembers
+    what no record can keep. ``sensed``: whether what each robot sensed when it decided is kept, see
+    `Record.sensed`.
     """
 
     every: int | None = None
     tables: Sequence[str] = OPTIONAL
-    states: float | None = None
+    states: float | Literal["usual"] | None = None
     sensed: bool = False
 
     def __post_init__(self) -> None:
@@ -63,8 +68,9 @@ class SaveAt:
         unknown = [table for table in self.tables if table not in OPTIONAL]
         if unknown:
             raise ValueError(f"tables: {unknown[0]!r}; allowed: {', '.join(OPTIONAL)}")
-        if self.states is not None and not 0.0 < self.states < np.inf:
-            raise ValueError(f"states = {self.states!r}; it must be a time in s, above 0")
+        states = 1.0 if self.states in (None, "usual") else self.states
+        if isinstance(states, str) or not 0.0 < states < np.inf:
+            raise ValueError(f"states = {states!r}; it must be a time in s, above 0, or usual")
         if self.every is None:
             return
         if isinstance(self.every, bool) or not isinstance(self.every, int | np.integer):

@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from typing import Literal
 
 import numpy as np
 
@@ -14,12 +15,12 @@ from physim.parts.controller import Controller
 from physim.parts.declarations import kept_distance
 from physim.parts.stages import Disturbance, Filter, Observer, SensingStage
 from physim.parts.user_code import folder_kept, naming
-from physim.record import Record, RecordWriter
+from physim.record import NO_ORIGIN, Origin, Record, RecordWriter
 from physim.record.layout import SENSED
 from physim.simulation.kept_states import packed
 from physim.simulation.loop import LOOK_ON, Simulation
 from physim.simulation.parts import listed
-from physim.simulation.recorder import Recorder, SaveAt, check_room
+from physim.simulation.recorder import STATE_WORK, STEP_WORK, Recorder, SaveAt, check_room
 from physim.simulation.state import SimulationState
 from physim.world import World
 
@@ -71,13 +72,14 @@ def record_run(
     overwrite: bool = False,
     progress: Callable[[Simulation, float], None] | None = None,
     stop: Callable[[], bool] | None = None,
+    origin: Origin = NO_ORIGIN,
 ) -> Record:
     """Run a simulation from where it is to its end and record it; see `simulate`.
 
     A record that begins later than at step 0 keeps the state from which it went on, so that it can
-    be simulated again; not where a part remembers what no record can keep. Raises TypeError where
-    ``save`` is something else, and RecordError where its record cannot fit on the disk or in
-    memory.
+    be simulated again; not where a part remembers what no record can keep. ``origin`` says of which
+    record it is a branch. Raises TypeError where ``save`` is something else, and RecordError where
+    its record cannot fit on the disk or in memory.
     """
     begun = simulation.step_number
     if not isinstance(save, SaveAt):
@@ -96,7 +98,8 @@ def record_run(
         declared=simulation.declared, tables=tables,
         given=tuple((part.kind.word, part.name) for part in given),
         given_settings=tuple(part.settings for part in given), begun_at=begun,
-        begun_along=np.stack(simulation.now[4:7], axis=1) if begun else None, overwrite=overwrite,
+        begun_along=np.stack(simulation.now[4:7], axis=1) if begun else None, origin=origin,
+        overwrite=overwrite,
     )  # fmt: skip
     if begun:
         with suppress(PhysimError):
@@ -159,16 +162,19 @@ def _close(simulation: Simulation, ended: str) -> ControllerError | None:
 def _loop(
     simulation: Simulation,
     recorder: Recorder,
-    states: float | None,
+    states: float | Literal["usual"] | None,
     progress: Callable[[Simulation, float], None] | None,
     stop: Callable[[], bool] | None,
 ) -> str:
-    """Step to the end, keeping ``states`` so often [s]; says how it ended.
+    """Step to the end, keeping ``states`` as `SaveAt` says; says how it ended.
 
     Raises ControllerError for a step not taken down.
     """
     started, step, begun = time.perf_counter(), simulation.scene.dt, simulation.step_number
-    apart = 0 if states is None else max(1, round(states / step))
+    apart = 0
+    if states is not None:
+        usual = STATE_WORK // (simulation.scene.robots + STEP_WORK)
+        apart = max(1, usual if states == "usual" else round(states / step))
     while simulation.step_number < simulation.scene.steps:
         simulation.step()
         if begun + recorder.taken != simulation.step_number:
@@ -178,7 +184,14 @@ def _loop(
                 f"restore, reset or observers); {LOOK_ON}"
             )
         if apart and simulation.step_number % apart == 0:
-            recorder.writer.keep_state(simulation.step_number, packed(simulation.state))
+            try:
+                state = packed(simulation.state)
+            except PhysimError:
+                if states != "usual":
+                    raise
+                apart = 0
+            else:
+                recorder.writer.keep_state(simulation.step_number, state)
         if progress is not None:
             progress(simulation, recorder.taken * step / (time.perf_counter() - started))
         if simulation.finished:

@@ -9,6 +9,9 @@ import yaml
 
 from physim.world.model import World
 
+Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+"""The one in C takes a tenth of the time."""
+
 
 def differences(a: World, b: World) -> dict[str, tuple[str, str]]:
     """Values of two worlds that differ, as text, by their dotted keys: of ``a``, then of ``b``.
@@ -16,7 +19,7 @@ def differences(a: World, b: World) -> dict[str, tuple[str, str]]:
     A key that a world leaves out has its ``default`` there, an entry of a list is ``none``. Where a
     part of another name stands in a place, its settings are not counted.
     """
-    first, second = (dict(_values(yaml.safe_load(world.to_yaml()))) for world in (a, b))
+    first, second = (dict(_values(yaml.load(world.to_yaml(), Loader=Loader))) for world in (a, b))
     pairs = {}
     for key in {**first, **second}:
         absent = "none" if any(part.isdigit() for part in key.split(".")) else "default"

@@ -96,14 +96,6 @@ def world_inside(record: Record) -> Inside:
     return Inside(scene, controller, why_not, (*stages, *(kind for kind, _ in record.given)))
 
 
-def controller_name(record: Record) -> str:
-    """The world's own controller: ``module:Class`` of one given from Python, or as the world inside
-    names it; empty where the record names none."""
-    if record.controller or not record.world_text.strip():
-        return record.controller
-    return record.world.controller.type
-
-
 def compare_with_world(record: Record, inside: Inside) -> tuple[Finding, ...]:
     """Hold what is known before the first step against a record of the world inside at its start.
 

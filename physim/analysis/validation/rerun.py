@@ -6,7 +6,7 @@ agree within `SLACK` up to the first contact: from there on two runs may part by
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING, Any, cast
@@ -22,9 +22,9 @@ from physim.analysis.validation.finding import (
     unlike_attributes,
     unlike_scene,
 )
-from physim.analysis.validation.origin import PATHS, controller_name
+from physim.analysis.validation.origin import PATHS
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
-from physim.errors import PhysimError, RecordError
+from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.record.digest import KNOWN
@@ -37,10 +37,9 @@ from physim.record.layout import (
     STEPS,
     TABLES,
 )
+from physim.simulation.again import AgainError, simulation_again
 
 if TYPE_CHECKING:
-    from physim.parts.controller import Controller
-    from physim.parts.stages import Disturbance, Filter, SensingStage
     from physim.simulation.loop import Simulation
     from physim.world.scene import Scene
 
@@ -68,71 +67,6 @@ class Rerun:
     """the run simulated again has the very digest"""
     difference: Finding | None
     """the first one in time"""
-
-
-class AgainError(PhysimError):
-    """A run cannot be simulated again; ``why`` says why not."""
-
-    def __init__(self, record: Record, why: str) -> None:
-        self.why = why
-        super().__init__(f"{record.where}: cannot be simulated again: {why}")
-
-
-def simulation_again(
-    record: Record,
-    *,
-    controller: Controller | None = None,
-    sensing: Sequence[SensingStage] = (),
-    filters: Sequence[Filter] = (),
-    disturbances: Sequence[Disturbance] = (),
-    disturbed: bool = True,
-) -> Simulation:
-    """Set up the run of a record anew, from the world inside and the state where it went on.
-
-    Unless it is to be ``disturbed``, without sensing stages and disturbances. No code is run
-    because a record names it: parts that were given from Python, and a controller
-    ``module:Class``, have to be given again. Raises AgainError where one is missing, and where the
-    run made no step.
-    """
-    from physim.simulation.kept_states import state_at
-    from physim.simulation.loop import Simulation
-
-    if record.noted_until <= record.begun_at:
-        raise AgainError(record, "it made no step")
-    try:
-        world, name = record.world, controller_name(record)
-    except RecordError as error:
-        raise AgainError(record, str(error).splitlines()[0]) from error
-    if controller is None and (record.controller or ":" in name):
-        raise AgainError(
-            record,
-            f"its controller is the class {name}; no code is run because a record names it: if you "
-            f"trust the class, give --controller {name}",
-        )
-    given: dict[str, Sequence[Any]] = {"filter": filters}
-    if disturbed or record.begun_at:  # its state is of a run with all parts
-        given = {"sensing stage": sensing, **given, "disturbance": disturbances}
-    for kind, parts in given.items():
-        names = [name for word, name in record.given if word == kind]
-        if len(names) != len(parts):
-            raise AgainError(
-                record,
-                f"its {kind} {', '.join(names) or 'none'} came from Python; give it again there: "
-                "rerun(record, sensing=..., filters=..., disturbances=...) of "
-                "physim.analysis.validation.rerun",
-            )
-    try:
-        state = state_at(record, record.begun) if record.begun_at else None
-        without: dict[str, Any] = {"sensing": {"stages": ()}, "disturbances": ()}
-        if not disturbed and state is None:
-            world = world.changed(**without)
-        simulation = Simulation(
-            world, controller=controller, sensing=sensing, filters=filters,
-            disturbances=disturbances, state=state,
-        )  # fmt: skip
-        return simulation if disturbed or state is None else simulation.branch(**without)
-    except PhysimError as error:
-        raise AgainError(record, str(error).splitlines()[0]) from error
 
 
 def run_again(

@@ -10,10 +10,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from physim.analysis.validation.rerun import AgainError, run_again, simulation_again
+from physim.analysis.validation.rerun import run_again
 from physim.contacts import Phase
 from physim.errors import PhysimError
 from physim.record import Record
+from physim.simulation.again import AgainError, simulation_again
 from physim.units import joined
 
 if TYPE_CHECKING:

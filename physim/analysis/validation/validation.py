@@ -25,17 +25,14 @@ from physim.analysis.validation.motion import Motion, check_motion
 from physim.analysis.validation.near_misses import NearMisses, near_misses
 from physim.analysis.validation.origin import (
     compare_with_world,
-    controller_name,
     world_inside,
 )
 from physim.analysis.validation.prediction import DISAGREES, Prediction, Predictor
 from physim.analysis.validation.recomputed import Recomputed, recompute
 from physim.analysis.validation.rerun import (
-    AgainError,
     Rerun,
     compare_runs,
     run_again,
-    simulation_again,
 )
 from physim.analysis.validation.told import sentences
 from physim.analysis.validation.undisturbed import (
@@ -49,6 +46,7 @@ from physim.parts.declarations import Mode, Rule
 from physim.record import Record, check_record
 from physim.record.layout import OPTIONAL
 from physim.record.setup import Setup
+from physim.simulation.again import AgainError, simulation_again
 from physim.world.faults import describe
 from physim.world.scene import Body
 
@@ -300,7 +298,7 @@ def check_complete(record: Record) -> None:
 
 def _run(record: Record, whole: Record, source: str) -> Run:
     """What was run, as the record says; how long, as that says which has every sample."""
-    controller = controller_name(record) or "not named in the record"
+    controller = record.controller_name or "not named in the record"
     if len(record.setup.controllers) > 1:
         controller = record.setup.controller_names
     return Run(

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from physim.analysis.metrics import Metric
+from physim.analysis.parting import Parting
 from physim.analysis.summary import Summary
 from physim.analysis.validation import Validation
 from physim.drawing.crowd import MOST_LINES, NAMED
@@ -66,8 +67,15 @@ LEAST = 1.0
 """[s] for which a robot stands at least"""
 
 
-def run_data(record: Record, summary: Summary, validation: Validation | None = None) -> str:
+def run_data(
+    record: Record,
+    summary: Summary,
+    validation: Validation | None = None,
+    parted: Parting | None = None,
+) -> str:
     """Everything the page draws of a record, as text for `assets/decode.js`.
+
+    ``parted`` is where a branch and its original, which is beside it, part.
 
     Raises RecordError for a record without samples or robots, or with robots too far apart or
     turned too often.
@@ -106,7 +114,7 @@ def run_data(record: Record, summary: Summary, validation: Validation | None = N
             record, pack, [one for driver in why["drivers"] for one in driver["thresholds"]]
         ),
         "contacts": _pack_contacts(timeline, pack, validation),
-        "moments": moments(timeline, summary),
+        "moments": moments(timeline, summary, parted),
         "curves": pack_curves(timeline, pack),
     }
     grid, turn = (CROWD_GRID, CROWD_TURN) if crowd else (GRID, TURN)
@@ -188,12 +196,20 @@ def _points(line: Iterable[FloatArray]) -> list[list[float]]:
     return [[round(float(value), DECIMALS) + 0.0 for value in point] for point in line]
 
 
-def moments(timeline: Timeline, summary: Summary) -> list[dict[str, Any]]:
+def moments(
+    timeline: Timeline, summary: Summary, parted: Parting | None = None
+) -> list[dict[str, Any]]:
     """What there is to look at: label, words, time [s], and the robot or contact to ask why.
 
     Of two robots the one that was behind along the reference path.
     """
-    found = []
+    found: list[dict[str, Any]] = []
+    if parted is not None:
+        words = f"at {parted.time:.2f} s ({clean(parted.name)} first)"
+        found.append({
+            "label": "branch and original part", "time": parted.time, "words": words,
+            "robot": parted.body if parted.body < timeline.robots else -1,
+        })  # fmt: skip
     for name, label in MOMENTS:
         metric = summary.metrics.get(name)
         if metric is None or metric.time is None:

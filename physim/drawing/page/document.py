@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from physim._version import __version__
+from physim.analysis.parting import is_branch, parting
 from physim.analysis.summary import summarise, table_rows
 from physim.analysis.validation import Validation
 from physim.drawing.drivers import drivers_of, key_of
@@ -86,9 +87,15 @@ def page(*records: Record, validation: Validation | None = None) -> Page:
     if validation is not None and not validation.is_of(records[0]):
         raise PhysimError(f"{validation!r} is of another run than {records[0]!r}; validate that")
     summaries = [summarise(record) for record in records]
-    packed = [run_data(*pair, validation) for pair in zip(records, summaries, strict=True)]
+    branching = len(records) == 2 and is_branch(records[1], records[0])
+    parted = parting(records[0], records[1]) if branching else None
+    packed = [run_data(*pair, validation, parted) for pair in zip(records, summaries, strict=True)]
     runs = [tag("script", Html(run), type="text/plain", class_="run") for run in packed]
-    labels = _labels(records)
+    labels = ["original", f"branch at {records[1].begun:g} s"] if branching else _labels(records)
+    about = _about(records)
+    if branching:
+        where = f"parts {parted}" if parted else "does not part from the original"
+        about = f"original and branch; {about.partition('; ')[2] or 'nothing changed'}; {where}"
     name = ", ".join(dict.fromkeys(clean(record.name) for record in records))
     tables = [] if validation is None else [findings_section(validation, summaries[0])]
     for run, (label, summary) in enumerate(zip(labels, summaries, strict=True)):
@@ -100,7 +107,7 @@ def page(*records: Record, validation: Validation | None = None) -> Page:
         ]
     parts = {
         "verdict": Html() if validation is None else opening(validation, summaries[0]),
-        "heading": text(name), "about": text(_about(records)), "tables": together(tables),
+        "heading": text(name), "about": text(about), "tables": together(tables),
         "schemes": _json(schemes()), "labels": _json(labels), "runs": together(runs, "\n"),
     }  # fmt: skip
     return Page(

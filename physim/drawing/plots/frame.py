@@ -70,21 +70,11 @@ def framed(
     ``height`` is without the title. It shrinks with the width in print, by a tenth at most.
     """
     from matplotlib.figure import Figure
-    from matplotlib.transforms import ScaledTranslation
 
     wide = paper.width or width
     figure = Figure((wide, height * max(wide / width, 0.9) + HEAD * paper.title), dpi=DPI)
     if paper.title:
-
-        def line(down: float, words: str, **style: Any) -> Any:
-            lower = ScaledTranslation(0.0, -down, figure.dpi_scale_trans)
-            return figure.text(
-                0.01, 1.0, words, va="top", parse_math=False,
-                transform=figure.transFigure + lower, **style,
-            )  # fmt: skip
-
-        line(0.03, title, fontsize=10.5, fontweight="bold")
-        source = line(0.2, "", fontsize=7.5, color=QUIET, gid="source")
+        source = head(figure, title)
         for more in (f"; compare {compare} of the paper", "")[not compare :]:
 
             def fits(name: str, more: str = more) -> bool:
@@ -97,6 +87,21 @@ def framed(
                 break
     _lay_out(figure)
     return figure
+
+
+def head(figure: Any, title: str, source: str = "") -> Any:
+    """Write a title, and below it in small where the figure comes from, which is returned."""
+    from matplotlib.transforms import ScaledTranslation
+
+    def line(down: float, words: str, **style: Any) -> Any:
+        lower = ScaledTranslation(0.0, -down, figure.dpi_scale_trans)
+        return figure.text(
+            0.01, 1.0, words, va="top", parse_math=False,
+            transform=figure.transFigure + lower, **style,
+        )  # fmt: skip
+
+    line(0.03, title, fontsize=10.5, fontweight="bold")
+    return line(0.2, source, fontsize=7.5, color=QUIET, gid="source")
 
 
 def _lay_out(figure: Any) -> None:

@@ -344,11 +344,7 @@ def draw_robots(
     """
     robots = np.arange(len(pose)) if seen is None else seen
     robots = robots[np.argsort(touching[robots], kind="stable")]
-    colour, c, s = colours[robots], np.cos(pose[robots, 2]), np.sin(pose[robots, 2])
-    turned = np.zeros((len(robots), 3, 3))
-    turned[:, 0, 0], turned[:, 0, 1], turned[:, 0, 2] = c, -s, pose[robots, 0]
-    turned[:, 1, 0], turned[:, 1, 1], turned[:, 1, 2] = s, c, pose[robots, 1]
-    turned[:, 2, 2] = 1.0
+    colour, turned = colours[robots], _turned(pose[robots])
     firm = touching[robots]
     edges = np.where(firm[:, None], palette.CONTACT, 0.4 * colour)
     canvas.draw(
@@ -359,6 +355,23 @@ def draw_robots(
         turned=np.repeat(turned, 2, axis=0),
         lens=lens.matrix(),
     )
+
+
+def draw_ghosts(canvas: Canvas, fleet: Fleet, lens: Lens, pose: FloatArray) -> None:
+    """Draw the outlines of robots at poses (N, 3): where those of another run are."""
+    canvas.draw(
+        [outline for outline, _ in fleet.paths], edges=[palette.QUIET], widths=[2.0],
+        turned=_turned(pose), lens=lens.matrix(),
+    )  # fmt: skip
+
+
+def _turned(pose: FloatArray) -> FloatArray:
+    """Poses (n, 3) as matrices (n, 3, 3) from the frames of robots to the world."""
+    c, s, turned = np.cos(pose[:, 2]), np.sin(pose[:, 2]), np.zeros((len(pose), 3, 3))
+    turned[:, 0, 0], turned[:, 0, 1], turned[:, 0, 2] = c, -s, pose[:, 0]
+    turned[:, 1, 0], turned[:, 1, 1], turned[:, 1, 2] = s, c, pose[:, 1]
+    turned[:, 2, 2] = 1.0
+    return turned
 
 
 def draw_trails(

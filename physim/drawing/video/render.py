@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import PIL.Image
 
+from physim.analysis.parting import is_branch, parting
 from physim.drawing import palette
 from physim.drawing.drivers import key_of, owner_of
 from physim.drawing.palette import rgb
@@ -123,7 +124,8 @@ MOST_NAMED = 2
 class Beside:
     """Draws frames of two runs: the first on the left, the second on the right.
 
-    The titles say in what the two worlds differ, and below them how the files are called. Of a run
+    The titles say in what the two worlds differ, and below them how the files are called. A branch
+    is called that, with where it parts from its original, whose robots are outlines in it. Of a run
     that is over before the other its last picture stays, pale and marked as such; when both are
     over, either is shown whole.
     """
@@ -141,6 +143,9 @@ class Beside:
         if min(map(smallest_length, timelines)) * most < SHORT:
             most = np.inf
         self._views = [View(one, world, box, speed, fps, most) for one, world, box in shown]
+        self._is_branch = is_branch(right.record, left.record)
+        if self._is_branch:
+            self._views[1].ghosts = self._views[0]
         self._still = self._draw_still()
         self._canvas = Canvas((WIDTH, HEIGHT))
         self._parts = [self._canvas.part(box) for box in boxes]
@@ -203,6 +208,13 @@ class Beside:
                 words += f": {key_of(drivers)}"
             if title and name:
                 words = f"{name}: {words}"
+            if self._is_branch and view is self._views[0]:
+                title = f"Original, {title}" if title else "Original"
+            elif self._is_branch:
+                title = f"Branch, {title or 'nothing changed'}"
+                words = "outlines: original, from which it does not part"
+                if parted := parting(records[0], record):
+                    words = f"outlines: original; parted at {parted.time:.2f} s ({parted.name})"
             head = shorten(title or name, TITLE, room - OUTCOME, BOLD)
             canvas.write(head, (left, 26), TITLE, weight=BOLD)
             beside = ENDED if view.timeline.duration < self.duration else OUTCOME

@@ -32,6 +32,7 @@ from physim.drawing.video.canvas import (
     Lens,
     draw_closest,
     draw_contacts,
+    draw_ghosts,
     draw_ring,
     draw_robots,
     draw_targets,
@@ -189,6 +190,8 @@ class View:
         self.camera = Camera(timeline, world.extent, box, speed, most)
         self.between: tuple[int, int] | None = None
         """two bodies whose distance is marked, not that of the closest two robots"""
+        self.ghosts: View | None = None
+        """another run, whose robots are drawn as outlines"""
         self._speed = speed
         self._lasts = max(MARK, FLASH * speed, timeline.spacing)  # [s] of the mark of a contact
         self._background = Background(world, self.camera.scale)
@@ -239,6 +242,8 @@ class View:
         boxes = self._fleet.boxes(vertices)
         inside = (boxes[:, 2:] >= 0.0) & (boxes[:, :2] <= self.box.size)
         seen = np.flatnonzero(inside.all(axis=1))
+        if (other := self.ghosts) is not None:
+            draw_ghosts(view, other._fleet, lens, other.timeline.at(now.time).pose)
         draw_robots(view, self._fleet, lens, now.pose, now.colours, touching, seen)
         origins = lens.pixels(now.pose[seen[self._eccentric[seen]], :2])
         view.discs(origins, 3.5, palette.WHITE)  # where the lines to the targets start

@@ -230,7 +230,7 @@ class Page {
     this.colours = this.schemes[this.scheme];
     this.legend = legend(this.view, this.colours);
     byId("legend").replaceChildren(...this.legend.list);
-    byId("moments").replaceChildren(...moments(this.view, (what) => this.go(what)));
+    byId("moments").replaceChildren(...moments(this.view, this.begin, (what) => this.go(what)));
     this.views.forEach((view, k) => view.box.classList.toggle("active", this.views.length > 1 && k === this.active));
     this.whyKey = null;
     this.player.draw();

@@ -132,8 +132,9 @@ function sign(words, colours) {
 }
 
 /** What there is to see, as buttons: shortest distances and times, first and deepest contact. */
-export function moments(view, go) {
-  const items = view.run.header.moments.map(({ label, time, words, robot, contact }) =>
+export function moments(view, begin, go) {
+  const shown = view.run.header.moments.filter(({ time }) => time >= begin);
+  const items = shown.map(({ label, time, words, robot, contact }) =>
     el(
       "li", {},
       button(`${label}: ${words}`, () => go({ time, robot: robot ?? -1, contact: contact ?? -1 }), { class: "link" }),

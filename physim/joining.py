@@ -42,6 +42,7 @@ KINDS = {
 }  # fmt: skip
 NATIVES = {
     "call2", "call3", "doubles_at", "rows2_at", "integers_at", "int_rows2_at", "put_short",
+    "high_product",
 }  # fmt: skip
 """Functions of `physim.natives`"""
 C_FUNCTIONS = {

@@ -138,5 +138,20 @@ cdef inline i8* integers_at(i8 place, i8 count) noexcept nogil:
 cdef inline ints2 int_rows2_at(i8 place, i8 count) noexcept nogil:
     return <ints2>place
 
+cdef extern from *:
+    '''
+    static inline unsigned long long high_product(unsigned long long a, unsigned long long b) {
+    #if defined(__SIZEOF_INT128__)
+        return (unsigned long long)((unsigned __int128)a * b >> 64);
+    #else
+        unsigned long long a0 = a & 0xFFFFFFFF, a1 = a >> 32, b0 = b & 0xFFFFFFFF, b1 = b >> 32;
+        unsigned long long middle = a1 * b0 + (a0 * b0 >> 32);
+        unsigned long long other = a0 * b1 + (middle & 0xFFFFFFFF);
+        return a1 * b1 + (middle >> 32) + (other >> 32);
+    #endif
+    }
+    '''
+    unsigned long long high_product(unsigned long long a, unsigned long long b) noexcept nogil
+
 cdef inline void put_short(i8 place, i8 value) noexcept nogil:
     (<int*>place)[0] = <int>value

@@ -1,4 +1,5 @@
-"""What kernels call that is no Python in what is compiled: memory and functions by their addresses.
+"""What kernels call that is no Python in what is compiled: memory and functions by their addresses,
+and wide products.
 
 The names stand here for the plain kernels; `physim.joining` has them in C.
 """
@@ -44,3 +45,8 @@ def int_rows2_at(address: int, count: int) -> IntRows2:
 def put_short(address: int, value: int) -> None:
     """Write a whole number of 32 bits to an address."""
     ctypes.c_int32.from_address(int(address)).value = int(value)
+
+
+def high_product(a: np.uint64, b: np.uint64) -> np.uint64:
+    """Upper 64 bits of the product of two words of 64 bits."""
+    return np.uint64((int(a) * int(b)) >> 64)

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from physim.compiled import compiled
 from physim.geometry.shapes import FloatArray, Rows4
+from physim.natives import high_product
 
 Word = np.uint64
 Words = NDArray[np.uint64]
@@ -78,18 +79,6 @@ def words(values: ArrayLike) -> Words:
 
 
 @compiled
-def high_product(a: Word, b: Word) -> Word:
-    """Upper 64 bits of the product of two 64-bit words."""
-    low = np.uint64(0xFFFFFFFF)
-    half = np.uint64(32)
-    a0, a1 = a & low, a >> half
-    b0, b1 = b & low, b >> half
-    middle = a1 * b0 + ((a0 * b0) >> half)
-    other = a0 * b1 + (middle & low)
-    return a1 * b1 + (middle >> half) + (other >> half)
-
-
-@compiled
 def philox(key0: Word, key1: Word, c0: Word, c1: Word, c2: Word, c3: Word, out: Words) -> None:
     """Write four 64-bit words of the counter (c0 … c3) under the key into ``out`` (4,)."""
     m0, m1 = np.uint64(MULTIPLIERS[0]), np.uint64(MULTIPLIERS[1])
@@ -118,13 +107,23 @@ def draw(
     is_normal: bool,
     out: Rows4,
 ) -> None:
-    """Four numbers for each pair of indices into ``out`` (M, 4); normal ones by Box and Muller."""
+    """Four numbers for each pair of indices into ``out`` (M, 4)."""
     found = np.empty(4, np.uint64)
     for k in range(many):
-        philox(key[0], key[1], step, first[k], second[k], np.uint64(0), found)
-        for m in range(2):
-            a, b = share(found[2 * m]), share(found[2 * m + 1])
-            if is_normal:
-                radius, angle = sqrt(-2.0 * log(1.0 - a)), 2.0 * pi * b
-                a, b = radius * cos(angle), radius * sin(angle)
-            out[k, 2 * m], out[k, 2 * m + 1] = a, b
+        if is_normal:
+            draw_normal(key, step, first[k], second[k], out[k])
+        else:
+            philox(key[0], key[1], step, first[k], second[k], np.uint64(0), found)
+            for m in range(4):
+                out[k, m] = share(found[m])
+
+
+@compiled
+def draw_normal(key: Words, step: Word, first: Word, second: Word, out: FloatArray) -> None:
+    """Write four normal numbers (4,) of a pair of indices, by Box and Muller."""
+    found = np.empty(4, np.uint64)
+    philox(key[0], key[1], step, first, second, np.uint64(0), found)
+    for m in range(2):
+        radius = sqrt(-2.0 * log(1.0 - share(found[2 * m])))
+        angle = 2.0 * pi * share(found[2 * m + 1])
+        out[2 * m], out[2 * m + 1] = radius * cos(angle), radius * sin(angle)

@@ -39,7 +39,7 @@ LAYERS = {
     "physim.geometry": (0, 4),
     "physim.natives": (0, 5),
     "physim.contacts": (0, 5),
-    "physim.randomness": (0, 5),
+    "physim.randomness": (0, 6),
     "physim.statistics": (0, 5),
     "physim.world": (1, 0),
     "physim.world.scene": (1, 1),

@@ -148,11 +148,6 @@ def track(
     return station, deviation, near
 
 
-def project_near(lines: Polylines, k: int, x: float, y: float, near: float) -> float:
-    """Station [m] of the point of path k next to (x, y), by `track` from ``near`` on."""
-    return float(track(lines, k, x, y, near, SHORTEST_WINDOW)[0])
-
-
 @dataclass(frozen=True, init=False, eq=False)
 class Path:
     """One polyline of waypoints with its arc length; it cannot be changed."""

@@ -63,7 +63,7 @@ class ObservedRobot:
     station: float
     """[m] along the reference path"""
     time: float
-    """[s] time of this state, as far as it is known"""
+    """[s] time of this pose and velocity, as far as it is known"""
     kind: Literal["robot", "mover", "obstacle"] = "robot"
     """``mover``: it follows a timed path and never gives way; ``obstacle``: it can be pushed; both
     have no command, and the station of the nearest point of the reference path"""
@@ -80,7 +80,7 @@ class Neighbour:
     lead: float
     """[m] its desired lead over Robot 1"""
     time: float
-    """[s] when it was sent"""
+    """[s] when it was sent; of a station that was not heard, when the robot was seen there"""
 
 
 @dataclass(frozen=True)
@@ -321,6 +321,10 @@ class Sensed(NamedTuple):
 
     Where all know the same, every observer has all rows, and nothing is copied. Among its rows
     every observer has one of itself. Arrays must not be written to.
+
+    Pose and velocity are *seen*, command and reference station are *told* by the robot itself. A
+    robot that is told of but not seen has a row whose pose and velocity are NaN: it is still a
+    formation neighbour, and no body to avoid. What is neither seen nor told of has no row.
     """
 
     step: int
@@ -336,13 +340,16 @@ class Sensed(NamedTuple):
     reference_station: FloatArray
     """(M,) [m] along s*"""
     age: FloatArray
-    """(M,) [s] how old the row is"""
+    """(M,) [s] how old pose and velocity are"""
     first: IntArray
     """(N,) first row of each observer"""
     end: IntArray
     """(N,) one past its last row"""
     station: FloatArray
     """(N,) [m] own projection of each observer on its own path"""
+    heard: FloatArray
+    """(M,) [s] how old command and reference station are; inf: nothing was told, and both are
+    estimated from pose and velocity"""
 
     def rows(self, i: int) -> slice:
         """Rows of observer i."""

@@ -11,13 +11,15 @@ disturbances alone: controllers and filters get what sensing gives (`Sensed`).
 
 from __future__ import annotations
 
+from math import isnan
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.geometry.path import project_near
-from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.compiled import compiled
+from physim.geometry.path import SHORTEST_WINDOW, track
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows3, read_only
 from physim.parts.controller import Decisions, Sensed, Snapshot
 from physim.world.scene import Scene
 
@@ -27,7 +29,14 @@ if TYPE_CHECKING:
 
 @runtime_checkable
 class SensingStage(Protocol):
-    """Changes what robots know of one another: noise, delay, loss."""
+    """Changes what robots know of one another: noise, delay, loss.
+
+    A class with ``on_demand = True`` promises that its states do not depend on the rows that it is
+    given. It gets rows of each observer's own, as of `for_each`, which must not be written to: of
+    bodies within the sensing range, and of formation neighbours. Where all stages promise it, only
+    observers that look at a step have rows: those that decide, or all where a filter or somebody
+    outside looks. Where nobody looks there are none. With ``is_off``, too, it is not asked at all.
+    """
 
     def start(self, scene: Scene) -> Any:
         """State at sample 0."""
@@ -82,6 +91,7 @@ class Step(NamedTuple):
     truth: Snapshot
     """the sample at which it began"""
     sensed: Sensed
+    """what robots knew; where all sensing stages work on demand, those that looked"""
     decisions: Decisions | None
     """of the robots that were due; None where nobody was, or commands came from outside"""
     next_step: IntArray
@@ -121,37 +131,138 @@ class Observer(Protocol):
         ...
 
 
-def everybody(truth: Snapshot, rows: tuple[IntArray, IntArray, IntArray, FloatArray]) -> Sensed:
+Shared = tuple[IntArray, IntArray, IntArray, FloatArray, FloatArray]
+"""Robot, first, end, age and heard of rows"""
+
+
+def everybody(truth: Snapshot, rows: Shared) -> Sensed:
     """What is sensed where everybody knows the truth: no copy; ``rows`` are those of `shared`."""
-    robot, first, end, age = rows
+    robot, first, end, age, heard = rows
     return Sensed(
         truth.step, robot, truth.moving_pose, truth.moving_command, truth.moving_velocity,
-        truth.moving_station, age, first, end, truth.station,
+        truth.moving_station, age, first, end, truth.station, heard,
     )  # fmt: skip
 
 
-def shared(
-    robots: int, moving: int | None = None
-) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
-    """Robot, first, end and age of rows about all that moves, which all of N observers share.
+def shared(robots: int, moving: int | None = None) -> Shared:
+    """Rows about all that moves, which all of N observers share.
 
-    Without ``moving`` the robots are all that does.
+    Without ``moving`` the robots are all that does. Other bodies tell nothing.
     """
     moving = robots if moving is None else moving
     robot = np.arange(moving)
     first, end, age = np.zeros(robots, np.int64), np.full(robots, moving), np.zeros(moving)
-    return read_only(robot), read_only(first), read_only(end), read_only(age)
+    heard = np.where(robot < robots, 0.0, np.inf)
+    return read_only(robot), read_only(first), read_only(end), read_only(age), read_only(heard)
+
+
+def nothing(truth: Snapshot) -> Sensed:
+    """What is sensed where nobody looks: no rows."""
+    none, no = np.zeros(0), np.zeros(0, np.int64)
+    first = np.zeros(len(truth.station), np.int64)
+    return Sensed(
+        truth.step, no, truth.pose[:0], truth.command[:0], truth.velocity[:0], none, none, first,
+        first, truth.station, none,
+    )  # fmt: skip
 
 
 def for_each(sensed: Sensed) -> Sensed:
     """Give every observer rows of its own, in the order of observers: copies to be changed."""
-    rows = [np.arange(a, b) for a, b in zip(sensed.first, sensed.end, strict=True)]
-    taken = np.concatenate(rows) if rows else np.zeros(0, np.int64)
-    counts = sensed.end - sensed.first
-    end = np.cumsum(counts)
-    names = ("robot", "pose", "command", "velocity", "reference_station", "age")
-    copies = {name: getattr(sensed, name)[taken] for name in names}
-    return sensed._replace(**copies, first=end - counts, end=end, station=sensed.station.copy())
+    return usable_rows(sensed, Usable(-1.0, -1.0, np.zeros(0, np.int64), False))
+
+
+def usable_rows(sensed: Sensed, limits: Usable) -> Sensed:
+    """Give every observer rows of its own, of those that it may use.
+
+    Neighbours beyond its range are told of, and not seen.
+    """
+    observers, rows = len(sensed.first), int((sensed.end - sensed.first).sum())
+    taken, first, end = np.empty(rows, np.int64), *np.empty((2, observers), np.int64)
+    pose, velocity = np.empty((2, rows, 3))
+    take_rows(
+        observers, sensed.first, sensed.end, sensed.robot, sensed.pose, sensed.velocity,
+        sensed.reference_station, limits, taken, first, end, pose, velocity,
+    )  # fmt: skip
+    count = int(end[-1])
+    kept = taken[:count]
+    return Sensed(
+        sensed.step, sensed.robot[kept], pose[:count], sensed.command[kept], velocity[:count],
+        sensed.reference_station[kept], sensed.age[kept], first, end, sensed.station.copy(),
+        sensed.heard[kept],
+    )  # fmt: skip
+
+
+class Usable(NamedTuple):
+    """Which rows an observer may use: of itself, of bodies in range, of formation neighbours."""
+
+    reach: float
+    """[m] of bodies so near; below 0: all rows"""
+    neighbours: float
+    """[m] of robots whose stations are so near; below 0: there are no formation neighbours"""
+    adjacency: IntArray
+    """(N N,) 1 where a robot is a neighbour"""
+    is_listed: bool
+    """whether neighbours are those of ``adjacency`` alone"""
+
+    @staticmethod
+    def of(scene: Scene) -> Usable:
+        """Which rows observers of a scene may use."""
+        plan = scene.formation
+        near = plan.range if plan.active else -1.0
+        listed = len(plan.adjacency) > 0
+        return Usable(scene.sensing_range, near, plan.adjacency.reshape(-1), listed)
+
+
+@compiled
+def take_rows(
+    observers: int,
+    first: IntArray,
+    end: IntArray,
+    robot: IntArray,
+    pose: Rows3,
+    velocity: Rows3,
+    station: FloatArray,
+    limits: Usable,
+    taken: IntArray,
+    taken_first: IntArray,
+    taken_end: IntArray,
+    taken_pose: Rows3,
+    taken_velocity: Rows3,
+) -> None:
+    """Write the numbers of the rows of every observer, in their order, into ``taken``.
+
+    And what it sees of them; NaN beyond its range.
+    """
+    count, square = 0, limits.reach * limits.reach
+    for i in range(observers):
+        taken_first[i], taken_end[i], me = count, count, first[i]
+        if me == end[i]:
+            continue
+        while robot[me] != i:
+            me += 1
+        x, y, own = pose[me, 0], pose[me, 1], station[me]
+        for row in range(first[i], end[i]):
+            dx, dy, j = pose[row, 0] - x, pose[row, 1] - y, robot[row]
+            is_seen = row == me or limits.reach < 0.0 or dx * dx + dy * dy <= square
+            is_used = is_seen
+            if not is_seen and j < observers and limits.neighbours >= 0.0:
+                if limits.is_listed:
+                    is_used = limits.adjacency[observers * i + j] != 0
+                else:
+                    is_used = abs(station[row] - own) <= limits.neighbours
+            if is_used:
+                taken[count] = row
+                for m in range(3):
+                    taken_pose[count, m] = pose[row, m] if is_seen else np.nan
+                    taken_velocity[count, m] = velocity[row, m] if is_seen else np.nan
+                count += 1
+        taken_end[i] = count
+
+
+def kept_rows(sensed: Sensed, kept: NDArray[Any]) -> Sensed:
+    """Copies of some rows, by a mask or their numbers; ``first`` and ``end`` are as before."""
+    names = ("robot", "pose", "command", "velocity", "reference_station", "age", "heard")
+    return sensed._replace(**{name: getattr(sensed, name)[kept] for name in names})
 
 
 def observer_of_row(sensed: Sensed) -> IntArray:
@@ -166,10 +277,31 @@ def with_poses(scene: Scene, sensed: Sensed, pose: FloatArray) -> Sensed:
     itself misleads nobody.
     """
     reference, own = sensed.reference_station.copy(), sensed.station.copy()
-    who, pose = observer_of_row(sensed), np.array(pose, dtype=np.float64)
-    for row, (x, y, _) in enumerate(pose):
-        j = int(sensed.robot[row])
-        reference[row] = project_near(scene.reference, 0, x, y, float(reference[row]))
-        if j == who[row]:
-            own[j] = project_near(scene.paths, j, x, y, float(own[j]))
+    pose = np.array(pose, dtype=np.float64)
+    follow_poses(
+        scene.reference, scene.paths, len(pose), observer_of_row(sensed), sensed.robot, pose,
+        reference, own, SHORTEST_WINDOW,
+    )  # fmt: skip
     return sensed._replace(pose=pose, reference_station=reference, station=own)
+
+
+@compiled
+def follow_poses(
+    reference: Polylines,
+    paths: Polylines,
+    rows: int,
+    observer: IntArray,
+    robot: IntArray,
+    pose: Rows3,
+    station: FloatArray,
+    own: FloatArray,
+    window: float,
+) -> None:
+    """Move stations (M,) of rows, and the ``own`` (N,) of observers, along with their poses."""
+    for row in range(rows):
+        x, y = pose[row, 0], pose[row, 1]
+        if not isnan(x):  # else it is not seen
+            station[row], _, _ = track(reference, 0, x, y, station[row], window)
+            j = robot[row]
+            if j == observer[row]:
+                own[j], _, _ = track(paths, j, x, y, own[j], window)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.errors import ControllerError, plural
-from physim.geometry.shapes import FloatArray, IntArray, Rows2, read_only
+from physim.geometry.shapes import Flags, FloatArray, IntArray, Rows2, read_only
 from physim.parts.controller import LONGEST_HOLD, Decisions, Sensed
 from physim.parts.declarations import NO_NUMBER, Declared
 from physim.parts.user_code import kind_of
@@ -220,6 +220,7 @@ def decision_fault(
 ROWS: dict[str, tuple[type, tuple[int, ...]]] = {
     "robot": (np.int64, ()), "pose": (np.float64, (3,)), "command": (np.float64, (2,)),
     "velocity": (np.float64, (3,)), "reference_station": (np.float64, ()), "age": (np.float64, ()),
+    "heard": (np.float64, ()),
 }  # fmt: skip
 """Type of each array of a `Sensed` with a row for each body that is sensed, and shape of a row"""
 OBSERVERS: dict[str, type] = {"first": np.int64, "end": np.int64, "station": np.float64}
@@ -229,8 +230,9 @@ OBSERVERS: dict[str, type] = {"first": np.int64, "end": np.int64, "station": np.
 def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
     """What a stage made of the rows it was given, copied; what stayed the same array stays.
 
-    Raises ControllerError for rows that are not finite or do not fit, and of another step; every
-    observer must have one of itself, and none of a robot twice.
+    Poses and velocities may be NaN, of what is not seen; ``heard`` follows ``age`` where the stage
+    does not speak of it. Raises ControllerError for other rows that are not finite, or do not fit,
+    and of another step; every observer must have one of itself, and none of a robot twice.
     """
     if found is given:
         return given
@@ -242,6 +244,10 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
             "age, and the step of now: sensed._replace(step=...)"
         )
     rows = len(found.robot) if np.ndim(found.robot) else None
+    if np.shape(found.heard) != np.shape(found.age) or (
+        found.heard is given.heard and found.age is not given.age
+    ):
+        found = found._replace(heard=found.age)
     shapes = {name: (own, (rows, *row)) for name, (own, row) in ROWS.items()}
     shapes |= {name: (own, (scene.robots,)) for name, own in OBSERVERS.items()}
     arrays: dict[str, Any] = {}
@@ -249,7 +255,13 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
         values = getattr(found, name)
         if values is not getattr(given, name):
             values = array_of(name, values, own, shape)
-            if not np.isfinite(values).all():
+            is_fine = np.isfinite(values)
+            if name in ("pose", "velocity"):
+                unseen = np.isnan(arrays.get("pose", values)).all(axis=1, keepdims=True)
+                is_fine |= unseen & np.isnan(values)
+            elif name == "heard":
+                is_fine |= values == np.inf
+            if not is_fine.all():
                 raise ControllerError(f"{name} is not finite")
         elif values.shape != shape:  # of other rows than the others are
             raise ControllerError(f"{name} has the shape {values.shape}; it must be {shape}")
@@ -265,8 +277,14 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
         raise ControllerError(
             f"robot holds an index that does not exist; allowed: 0 to {moving - 1}"
         )
-    i, j = rows_fault(robot, len(robot), sensed.first, sensed.end, robots, moving)
+    looked = given.end > given.first
+    i, j = rows_fault(robot, len(robot), sensed.first, sensed.end, looked, robots, moving)
     if i < 0:
+        unseen = np.isnan(sensed.pose[:, 0])
+        for i in range(robots if unseen.any() else 0):
+            rows_i = sensed.rows(i)
+            if unseen[rows_i][robot[rows_i] == i].any():
+                raise ControllerError(f"the pose of {names[i]} in its own row is not finite")
         return sensed
     if j < 0:
         raise ControllerError(
@@ -281,10 +299,16 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
 
 @compiled
 def rows_fault(
-    robot: IntArray, rows: int, first: IntArray, end: IntArray, robots: int, moving: int
+    robot: IntArray,
+    rows: int,
+    first: IntArray,
+    end: IntArray,
+    looked: Flags,
+    robots: int,
+    moving: int,
 ) -> tuple[int, int]:
     """First observer whose rows are wrong: (i, -1) they are not there, (i, i) it has not one of
-    itself, (i, j) it has several of another; (-1, -1) where none is."""
+    itself, though it ``looked``, (i, j) it has several of another; (-1, -1) where none is."""
     seen = np.full(moving, -1, np.int64)
     for i in range(robots):
         if not 0 <= first[i] <= end[i] <= rows:
@@ -293,6 +317,6 @@ def rows_fault(
             if seen[robot[m]] == i:
                 return i, robot[m]
             seen[robot[m]] = i
-        if seen[i] != i:
+        if looked[i] and seen[i] != i:
             return i, i
     return -1, -1

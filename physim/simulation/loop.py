@@ -20,7 +20,7 @@ from physim.contacts import CONTACT_ROW
 from physim.errors import ControllerError, PhysimError, WorldError, plural
 from physim.geometry.clearance import ClearanceFinder, Clearances
 from physim.geometry.path import Tracking, project
-from physim.geometry.shapes import FloatArray, locked, read_only
+from physim.geometry.shapes import FloatArray, IntArray, locked, read_only
 from physim.parts.controller import FASTEST, Controller, Observation, Sensed, Snapshot
 from physim.parts.declarations import NO_NUMBER, Declared
 from physim.parts.registry import (
@@ -37,15 +37,18 @@ from physim.parts.stages import (
     Observer,
     SensingStage,
     Step,
+    Usable,
     everybody,
+    nothing,
     shared,
+    usable_rows,
 )
 from physim.parts.user_code import broken_by, is_shipped, kind_of, naming
 from physim.simulation.arrays import Arrays
 from physim.simulation.arrival import Arrivals
 from physim.simulation.branching import branch_of
 from physim.simulation.checks import taken_commands, taken_sensed
-from physim.simulation.decisions import Asked, Decided, decide, replaced
+from physim.simulation.decisions import NOBODY, Asked, Decided, decide, replaced
 from physim.simulation.engine import Physics
 from physim.simulation.forms import first_memory
 from physim.simulation.observation import View
@@ -79,6 +82,8 @@ class Simulation:
     memory: dict[str, NDArray[Any]]
     _next_due: int
     _sensed: tuple[Sensed, tuple[Any, ...]] | None
+    _looking: IntArray | None
+    """who looks at what is sensed; None: everybody"""
     _view: View | None = None
     _states: tuple[tuple[Any, ...], ...]
     _told: tuple[Snapshot, Any, Decided, FloatArray, FloatArray] | None
@@ -196,7 +201,9 @@ class Simulation:
     @property
     def view(self) -> View:
         """What robots know of this sample, each its own rows."""
-        sensed = self._sense()[0]
+        return self._view_of(self._sense()[0])
+
+    def _view_of(self, sensed: Sensed) -> View:
         view = self._view
         if view is None or view.sensed is not sensed:
             is_same = view is not None and view.scene is self.scene
@@ -249,7 +256,7 @@ class Simulation:
     def _step(self, decided: Decided) -> None:
         """Make a step with what was decided."""
         truth = self.now
-        sensing = self._sense()[1] if self._parts[SENSE] else ()
+        sensing = self._sense(NOBODY)[1] if self._calls[SENSE] else self._states[SENSE]
         nominal = decided.nominal
         filtered, filters = self._run_stage(FILTERED, nominal)
         applied, disturbances = self._run_stage(DISTURBED, filtered)
@@ -263,35 +270,64 @@ class Simulation:
     def _run_stage(self, stage: int, given: Any) -> tuple[Any, tuple[Any, ...]]:
         """What the parts of a stage make of what they are given, in turn; and their next states.
 
-        Whatever they return comes through here: its shape, finite numbers, and limits. Raises
-        ControllerError.
+        Whatever parts of users return is checked here: its shape, finite numbers, and limits.
+        Raises ControllerError.
         """
-        parts = self._parts[stage]
-        if not parts:
-            return given, ()
+        calls = self._calls[stage]
+        if not calls:
+            return given, self._states[stage]
         known: Any = self._sense()[0] if stage == FILTERED else self.now
-        kind, states = STAGES[stage], []
-        method = kind.calls[1].partition("(")[0]
-        for part, state in zip(parts, self._states[stage], strict=True):
-            call = getattr(part, method)
-            with naming(f"{kind.word} {type(part).__name__} at {self.time:g} s", call):
-                answer = call(self.scene, known, given, state)
+        states = list(self._states[stage])
+        is_apart = False
+        for k, part, call in calls:
+            on_demand = stage == SENSE and getattr(part, "on_demand", False)
+            if on_demand and not is_apart and len(given.robot):
+                given = usable_rows(given, self._usable)
+            is_apart = on_demand
+            try:  # not by `naming`, which takes as long as a step of the engine
+                answer = call(self.scene, known, given, states[k])
+                if is_shipped(part):
+                    given, states[k] = answer
+                    continue
                 if type(answer) is not tuple or len(answer) != 2:
                     what = "sensed" if stage == SENSE else "commands"
                     raise ControllerError(
-                        f"{method} returned {kind_of(answer)}; it must return ({what}, state)"
+                        f"{call.__name__} returned {kind_of(answer)}; it must return "
+                        f"({what}, state)"
                     )
                 if stage == SENSE:
                     given = taken_sensed(answer[0], given, self.scene)
                 else:
                     given = taken_commands(self.scene, answer[0], given, self._limits[stage])
-            states.append(answer[1])
+                states[k] = answer[1]
+            except KeyboardInterrupt:
+                raise
+            except BaseException as error:
+                if is_shipped(part):
+                    raise
+                where = f"{STAGES[stage].word} {type(part).__name__} at {self.time:g} s"
+                raise ControllerError(f"{where}: {broken_by(error, call)}") from error
         return given, tuple(states)
 
-    def _sense(self) -> tuple[Sensed, tuple[Any, ...]]:
-        """What robots know at this sample, and the states of the stages for the next."""
-        if self._sensed is None:
-            self._sensed = self._run_stage(SENSE, everybody(self.now, self._shared))
+    def _sense(self, looking: IntArray | None = None) -> tuple[Sensed, tuple[Any, ...]]:
+        """What robots know at this sample, and the states of the stages for the next.
+
+        Where stages work on demand, at least those who are ``looking`` know of others.
+        """
+        looking = looking if self._is_on_demand else None
+        if self._sensed is None or not (
+            looking is NOBODY or self._looking is None or self._looking is looking
+        ):
+            given = self._nothing
+            if looking is not NOBODY:
+                rows = self._shared
+                if looking is not None:
+                    end = np.zeros(self.scene.robots, np.int64)
+                    end[looking] = len(rows[0])
+                    rows = (*rows[:2], read_only(end), *rows[3:])
+                given = everybody(self.now, rows)
+            self._looking = looking
+            self._sensed = self._run_stage(SENSE, given)
         return self._sensed
 
     def _given(self, commands: FloatArray) -> Decided:
@@ -308,7 +344,8 @@ class Simulation:
         if self.now.step < self._next_due:
             return Decided(self.now.command)
         due = read_only((self.next_decision <= self.now.step).nonzero()[0])
-        decided = decide(self._asked, self.view, due, self.now.command, self.memory)
+        view = self._view_of(self._sense(due)[0])
+        decided = decide(self._asked, view, due, self.now.command, self.memory)
         if decided.decisions is not None:
             self.mode = replaced(self.mode, due, decided.decisions.mode)
         self.next_decision = replaced(self.next_decision, due, decided.next_step)
@@ -364,8 +401,9 @@ class Simulation:
         if self._told is None:
             return None
         truth, known, decided, filtered, applied = self._told
+        sensed = known[0] if known else everybody(truth, self._shared)
         return Step(
-            truth, known[0] if known else everybody(truth, self._shared), decided.decisions,
+            truth, sensed._replace(step=truth.step), decided.decisions,
             decided.next_step, decided.nominal, filtered, applied, self.now.pose,
             locked(self.physics.contacts), locked(self.physics.false_contacts),
             self._arrivals.arrived, self.now.moving_pose,
@@ -452,6 +490,16 @@ class Simulation:
         self.memory = first_memory(self._asked.form, scene)
         self._shared = shared(robots, scene.moving)
         self._parts = tuple(map(self.parts.of, STAGES))
+        self._calls = tuple(
+            [
+                (k, part, getattr(part, kind.calls[1].partition("(")[0]))
+                for k, part in enumerate(parts) if not getattr(part, "is_off", False)
+            ]
+            for kind, parts in zip(STAGES, self._parts, strict=True)
+        )  # fmt: skip
+        self._usable = Usable.of(scene)
+        demands = [getattr(part, "on_demand", False) for _, part, _ in self._calls[SENSE]]
+        self._is_on_demand = bool(demands) and all(demands) and not self._parts[FILTERED]
         self._limits = {FILTERED: scene.limits, DISTURBED: np.full((robots, 2), FASTEST)}
         states = []
         for kind, parts in zip(STAGES, self._parts, strict=True):
@@ -470,6 +518,7 @@ class Simulation:
         self._next_due, self._told = 0, None
         still = read_only(np.zeros((scene.moving, 3)))
         self._take(0, read_only(self.physics.pose), read_only(np.zeros((robots, 2))), still)
+        self._nothing = nothing(self.now)
 
     @property
     def _distances(self) -> Clearances:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache
+from math import inf
 from typing import Any, Literal, TypeVar
 
 import numpy as np
@@ -181,8 +182,9 @@ class View:
         if row not in self._neighbours:
             sensed = self.sensed
             j, station = sensed.robot.item(row), sensed.reference_station.item(row)
-            lead, time = self.scene.formation.lead.item(j), self.time - sensed.age.item(row)
-            self._neighbours[row] = Neighbour(j, station, lead, time)
+            lead, age = self.scene.formation.lead.item(j), sensed.heard.item(row)
+            age = sensed.age.item(row) if age == inf else age
+            self._neighbours[row] = Neighbour(j, station, lead, self.time - age)
         return self._neighbours[row]
 
 

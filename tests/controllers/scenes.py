@@ -89,7 +89,7 @@ def scene_of(history: History) -> Scene:
 
 def sensed_at(robots: list[Body], step: int) -> Sensed:
     """All robots at one moment, as everybody knows them."""
-    robot, first, end, age = shared(len(robots))
+    robot, first, end, age, heard = shared(len(robots))
     rows = Sensed(
         step=step,
         robot=robot,
@@ -101,6 +101,7 @@ def sensed_at(robots: list[Body], step: int) -> Sensed:
         first=first,
         end=end,
         station=np.array([robot.station for robot in robots]),
+        heard=heard,
     )
     return Sensed(step, *map(read_only, rows[1:]))
 

@@ -20,7 +20,7 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
     rows = sensed.rows(i)
     known = sensed.robot[rows]
     pose, station = sensed.pose[rows], sensed.reference_station[rows]
-    command, age = sensed.command[rows], sensed.age[rows]
+    command, age, heard = sensed.command[rows], sensed.age[rows], sensed.heard[rows]
     velocity = sensed.velocity[rows]
     me = int(np.flatnonzero(known == i)[0])
     time = sensed.step * scene.dt
@@ -51,7 +51,7 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
                 index=int(known[row]),
                 station=float(station[row]),
                 lead=float(plan.lead[known[row]]),
-                time=time - float(age[row]),
+                time=time - float(heard[row]),
             )
             for row in (_neighbours(scene, i, me, known, station) if plan.active else ())
         ),

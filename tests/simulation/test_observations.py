@@ -64,8 +64,9 @@ def shared(simulation: Simulation) -> Sensed:
         sensed.reference_station,
         sensed.age,
     )
-    seven = Sensed(sensed.step, *(one[taken] for one in rows), first, end, sensed.station)
-    return own(seven._replace(age=0.001 * np.arange(len(taken))))
+    age, heard = np.multiply.outer((0.001, 0.002), np.arange(len(taken)))
+    seven = Sensed(sensed.step, *(one[taken] for one in rows), first, end, sensed.station, heard)
+    return own(seven._replace(age=age))
 
 
 def apart(simulation: Simulation) -> Sensed:

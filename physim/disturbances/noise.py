@@ -1,0 +1,200 @@
+"""Noise: robots are sensed elsewhere, and turned otherwise, than they are.
+
+The error of each observer about each robot is a constant bias and normal noise. Noise correlated in
+time needs no memory: it is drawn at knots, ``correlation`` seconds apart, and blended between two
+of them so that its deviation is the same at all times. Averaged over time its correlation is 0.29
+one such time later, and 0 after two.
+
+A robot tells its station as it believes it to be, so an error about itself is in what others are
+told, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import cos, hypot, isnan, sin, sqrt
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from physim.compiled import compiled
+from physim.disturbances.named import Stream
+from physim.disturbances.rows import moving
+from physim.errors import Fault, Location
+from physim.geometry.path import SHORTEST_WINDOW, track
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows3
+from physim.parts.controller import Sensed, Snapshot
+from physim.parts.registry import OF_ROBOTS, make_part
+from physim.randomness import Words, draw_normal, purpose_key
+from physim.tolerances import SHARE
+from physim.world import World
+from physim.world.scene import Scene
+
+Deviation = Annotated[float, Field(ge=0.0, le=1.0e3, allow_inf_nan=False)]
+Bias = Annotated[float, Field(ge=-1.0e3, le=1.0e3, allow_inf_nan=False)]
+
+
+class NoiseSettings(BaseModel):
+    """Keys of ``type: noise`` under ``sensing.stages``."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    position: Deviation = Field(default=0.0, description="[m] standard deviation of x and of y")
+    heading: Deviation = Field(default=0.0, description="[rad] standard deviation of the heading")
+    bias: tuple[Bias, Bias] = Field(
+        default=(0.0, 0.0),
+        description="[m] constant error, forward and to the left as the observer faces",
+    )
+    heading_bias: Bias = Field(default=0.0, description="[rad] constant error of the heading")
+    correlation: Deviation = Field(
+        default=0.0, description="[s] time over which noise is alike; 0: drawn anew at every step"
+    )
+    of: Literal["all", "own", "others"] = Field(
+        default="all", description="whose pose a robot errs about: its own, that of others, or all"
+    )
+    stream: Stream = 0
+
+
+class Size(NamedTuple):
+    """How large errors are."""
+
+    position: float
+    heading: float
+    forward: float
+    left: float
+    turned: float
+    of_own: bool
+    of_others: bool
+
+
+class Noise:
+    """Adds errors to the poses that robots sense: deviation, bias, correlation in time."""
+
+    Settings = NoiseSettings
+    on_demand = True
+
+    def __init__(self, settings: NoiseSettings | None = None) -> None:
+        self.settings = s = settings or NoiseSettings()
+        self._size = Size(
+            s.position, s.heading, *s.bias, s.heading_bias, s.of != "others", s.of != "own"
+        )
+        self.is_off = not any(self._size[:5])
+        self._purpose = purpose_key(f"noise {s.stream}")
+        self._window = max(SHORTEST_WINDOW, 8.0 * s.position + hypot(*s.bias))
+
+    def world_doubts(self, world: World, where: Location) -> Iterator[Fault]:
+        """Doubt noise that is larger than the distances at which a controller avoids."""
+        s, both = self.settings, sqrt(2.0) if self.settings.of == "all" else 1.0
+        beyond = 3.0 * both * s.position
+        for driver in world.drivers():
+            made = make_part(OF_ROBOTS, driver.type, driver.settings, where=driver.where)
+            for name in ("distance_low", "boundary_low"):
+                kept = getattr(getattr(made, "settings", None), name, None)
+                is_met = s.of != "others" if name == "boundary_low" else True
+                size = 3.0 * s.position if name == "boundary_low" else beyond
+                if is_met and isinstance(kept, float) and size > kept * (1.0 + SHARE):
+                    yield Fault(
+                        (*where, "position"),
+                        f"distances are wrong by up to {size:.3g} m (3 standard deviations), "
+                        f"beyond the {kept:g} m of {driver.type}.{name}: robots may touch before "
+                        f"they avoid; lower the one, or raise the other",
+                    )
+                    return
+
+    def start(self, scene: Scene) -> None:
+        """Nothing is remembered."""
+
+    def sense(
+        self, scene: Scene, truth: Snapshot, sensed: Sensed, state: Any
+    ) -> tuple[Sensed, Any]:
+        """Rows with errors; what robots tell of themselves follows their own."""
+        if not len(sensed.robot):
+            return sensed, state
+        s = self.settings
+        time = sensed.step * scene.dt / s.correlation if s.correlation else float(sensed.step)
+        key = np.array([scene.seed, self._purpose], dtype=np.uint64)
+        pose, station = sensed.pose.copy(), sensed.station.copy()
+        reference = sensed.reference_station.copy()
+        put_noise(
+            key, time, self._size, scene.reference, scene.paths, self._window, scene.robots,
+            truth.station, truth.reference_station, moving(truth)[0], sensed.first, sensed.end,
+            sensed.robot, sensed.heard, pose, reference, station,
+        )  # fmt: skip
+        changed = sensed._replace(pose=pose, reference_station=reference, station=station)
+        return changed, state
+
+
+@compiled
+def put_error(
+    key: Words, time: float, size: Size, i: int, j: int, heading: float, out: FloatArray
+) -> None:
+    """Write the error (3,) of observer i, who faces along ``heading``, about body j.
+
+    ``time`` counts knots.
+    """
+    knot = int(time)
+    u = time - knot
+    norm, drawn = sqrt((1.0 - u) * (1.0 - u) + u * u), np.empty(4)
+    out[0], out[1], out[2] = 0.0, 0.0, 0.0
+    for k in range(2 if u > 0.0 else 1):
+        share = (1.0 - u if k == 0 else u) / norm
+        draw_normal(key, np.uint64(knot + k), np.uint64(i), np.uint64(j), drawn)
+        for m in range(3):
+            out[m] += share * drawn[m]
+    c, s = cos(heading), sin(heading)
+    out[0] = size.position * out[0] + (c * size.forward - s * size.left)
+    out[1] = size.position * out[1] + (s * size.forward + c * size.left)
+    out[2] = size.heading * out[2] + size.turned
+
+
+@compiled
+def put_noise(
+    key: Words,
+    time: float,
+    size: Size,
+    line: Polylines,
+    paths: Polylines,
+    window: float,
+    robots: int,
+    true_station: FloatArray,
+    true_reference: FloatArray,
+    truth: Rows3,
+    first: IntArray,
+    end: IntArray,
+    robot: IntArray,
+    heard: FloatArray,
+    pose: Rows3,
+    reference: FloatArray,
+    station: FloatArray,
+) -> None:
+    """Add errors to poses (M, 3), and to stations along s* and own paths what follows of them.
+
+    What robots tell follows their own errors, what nobody told follows the pose that is seen.
+    """
+    error, own = np.empty(3), np.empty(3 * robots)
+    shift, is_known = np.zeros(robots), np.zeros(robots, np.int64)
+    for i in range(robots):
+        for row in range(first[i], end[i]):
+            j = robot[row]
+            if size.of_own and j < robots and is_known[j] == 0:
+                put_error(key, time, size, j, j, truth[j, 2], own[3 * j :])
+                x, y = truth[j, 0] + own[3 * j], truth[j, 1] + own[3 * j + 1]
+                at, _, _ = track(line, 0, x, y, true_reference[j], window)
+                shift[j], is_known[j] = at - true_reference[j], 1
+            if j < robots and heard[row] < np.inf:
+                reference[row] += shift[j]
+            if j == i:
+                if size.of_own:
+                    for m in range(3):
+                        pose[row, m] += own[3 * i + m]
+                    x, y = truth[i, 0] + own[3 * i], truth[i, 1] + own[3 * i + 1]
+                    at, _, _ = track(paths, i, x, y, true_station[i], window)
+                    station[i] += at - true_station[i]
+            elif size.of_others and not isnan(pose[row, 0]):
+                put_error(key, time, size, i, j, truth[i, 2], error)
+                for m in range(3):
+                    pose[row, m] += error[m]
+                if not heard[row] < np.inf:
+                    x, y = pose[row, 0], pose[row, 1]
+                    reference[row], _, _ = track(line, 0, x, y, reference[row], window)

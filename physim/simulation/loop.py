@@ -19,7 +19,7 @@ from numpy.typing import DTypeLike, NDArray
 from physim.contacts import CONTACT_ROW
 from physim.errors import ControllerError, PhysimError, WorldError, plural
 from physim.geometry.clearance import ClearanceFinder, Clearances
-from physim.geometry.path import Tracking, project
+from physim.geometry.path import Tracking, put_projected
 from physim.geometry.shapes import FloatArray, IntArray, locked, read_only
 from physim.parts.controller import FASTEST, Controller, Observation, Sensed, Snapshot
 from physim.parts.declarations import NO_NUMBER, Declared
@@ -360,21 +360,26 @@ class Simulation:
             self.physics.contacts = np.concatenate(
                 (self.physics.contacts, grazes), dtype=CONTACT_ROW
             )
-        self._arrivals.follow(self._tracking, step, pose[: self.scene.robots])
+        self._arrivals.follow(self._tracking, step, pose)
         self._take(step, pose, nominal, read_only(velocity))
 
     def _take(self, step: int, pose: FloatArray, nominal: FloatArray, velocity: FloatArray) -> None:
-        along, n = self._tracking.stations, self.scene.robots
-        command, station = nominal, along[2]
-        moving = pose, velocity
-        if len(pose) > n:
-            pose, velocity = (read_only(array[:n]) for array in moving)
-            others, line = moving[0][n:].tolist(), self.scene.reference
-            found = [project(line, 0, x, y, -np.inf, np.inf)[0] for x, y, _ in others]
-            station = read_only(np.concatenate((station, found)))
-            command = read_only(np.pad(nominal, ((0, len(others)), (0, 0))))
+        own, beside, station = self._tracking.stations
+        every, speeds, command, along = pose, velocity, nominal, station
+        n, bodies = len(station), len(pose)
+        if bodies > n:
+            pose, velocity, along = pose[:n], velocity[:n], np.empty(bodies)
+            along[:n] = station
+            put_projected(self.scene.reference, every, n, bodies, along)
+            if step and nominal is self.now.command:
+                command = self.now.moving_command
+            else:
+                command = np.zeros((bodies, nominal.shape[1]))
+                command[:n] = nominal
+                read_only(command)
+            read_only(along)
         self.now = Snapshot(
-            step, pose, nominal, velocity, along[0], along[1], along[2], *moving, command, station
+            step, pose, nominal, velocity, own, beside, station, every, speeds, command, along
         )
         self._sensed = None
 

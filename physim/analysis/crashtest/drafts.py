@@ -1,10 +1,11 @@
-"""Cases drawn by number, and each written as a world: two robots, or one and something that stands.
+"""Cases drawn by number, and each written as a world: two robots, or one and something else.
 
 The same seed and number give the same case, whatever the others. Two robots meet at random, side by
-side, in rows, or graze each other; one meets walls, corners, obstacles. A layout is planned from
-the meeting: the poses at which the two would overlap or touch are chosen first, and each is
-taken back along its arc. All lengths [m], about the origin of the place. The world of a case is a
-small one that ``physim run`` replays, to the bit at the same coordinates.
+side, in rows, or graze each other; one meets walls, corners, obstacles, a mover, a box to push. A
+layout is planned from the meeting: the poses at which the two would overlap or touch are chosen
+first, and each is taken back along its arc. All lengths [m], about the origin of the place. The
+world of a case is a small one that ``physim run`` replays, to the bit at the same coordinates; a
+box to push to rounding.
 
 Footprints are random: convex, boxes, nonconvex. They come from a store that depends on the
 seed alone, since cutting an outline into convex parts costs more than the case itself.
@@ -14,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import cos, pi, sin
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -97,6 +98,8 @@ class Layout(NamedTuple):
     """boundaries as drawn, (n, 2) [m] each, world frame"""
     solids: tuple[tuple[FloatArray, ...], ...] = ()
     """outline (n, 2) [m] of each obstacle and its convex parts, world frame"""
+    second: Literal["robot", "mover", "pushed"] = "robot"
+    """what the second of two is"""
 
 
 Store = dict[str, tuple[Footprint, ...]]
@@ -179,13 +182,26 @@ class Draft:
         some = self.store[sort or tuple(SORTS)[int(self.rng.integers(3))]]
         return some[int(self.rng.integers(len(some)))]
 
-    def pair(self, a: Footprint, b: Footprint) -> Layout:
-        """Two robots whose discs overlap at the meeting: most collide, some pass."""
+    def pair(self, a: Footprint, b: Footprint, *, stands: bool = False) -> Layout:
+        """Two robots whose discs overlap at the meeting: most collide, some pass.
+
+        The second one ``stands``, or moves too.
+        """
         most, time = self._most(a, b), self._time()
         reach, bearing = self.rng.uniform(0.0, 1.05) * (a.radius + b.radius), self._angle()
         (x, y), first, second = self.origin, self._angle(), self._angle()
         poses = (x, y, first), (x + reach * cos(bearing), y + reach * sin(bearing), second)
-        return _back((a, b), poses, [self._order(a, most), self._order(b, most)], time)
+        orders = [self._order(a, most), (0.0, 0.0) if stands else self._order(b, most)]
+        return _back((a, b), poses, orders, time)
+
+    def mover(self) -> Layout:
+        """A robot and a mover, on its arc too; as `pair`."""
+        mover = self.robot()._replace(mass=np.inf)
+        return self.pair(self.robot(), mover)._replace(second="mover")
+
+    def pushed(self) -> Layout:
+        """A robot and an obstacle that it pushes, if it meets it."""
+        return self.pair(self.robot(), self.robot(), stands=True)._replace(second="pushed")
 
     def aligned(self, across: bool) -> Layout:
         """Boxes with one heading, beside each other, so that their edges are collinear or parallel,
@@ -389,6 +405,8 @@ KINDS: dict[str, Callable[[Draft], Layout]] = {
     "wall end": Draft.wall_end,
     "wall graze": Draft.wall_graze,
     "obstacle": Draft.obstacle,
+    "mover": Draft.mover,
+    "pushed": Draft.pushed,
 }
 """What is drawn, in turn."""
 
@@ -442,12 +460,32 @@ def place_of(index: int) -> Place:
     return SPACING * x, SPACING * y
 
 
+def way_of(layout: Layout, dt: float) -> tuple[FloatArray, FloatArray]:
+    """Waypoints (n, 3) and times (n,) [s] of the mover of a layout: its arc, for a whole case."""
+    (v, omega), duration = layout.command[1].tolist(), (STEPS + 1) * dt
+    times = np.linspace(0.0, duration, 2 + int(0.5 * abs(omega) * duration))
+    x, y, heading = layout.start[1].tolist()
+    poses = [arc(x, y, heading, v, omega, 0.0, time) for time in times.tolist()]
+    return np.array(poses), times
+
+
 def case_world(case: Case, seed: int, reason: str) -> World:
     """World of a case; ``reason`` goes into its description."""
     layout = case.layout
     (x, y), commands = case.origin, layout.command.tolist()
-    corners = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
-    ring = [(x + i * HALF_WIDTH, y + j * HALF_WIDTH) for i, j in corners]
+    movers, pushed = [], []
+    if layout.second != "robot":
+        commands, other = commands[:1], layout.robots[1]
+        px, py, heading = layout.start[1].tolist()
+        c, s = cos(heading), sin(heading)
+        corners = other.outline @ np.array([[c, s], [-s, c]]) + [px, py]
+        pushed = [{"corners": corners.tolist(), "mass": other.mass}]
+    if layout.second == "mover":
+        poses, times = way_of(layout, case.dt)
+        way = {"waypoints": poses.tolist(), "times": times.tolist()}
+        movers, pushed = [{"name": "mover", "footprint": other.outline.tolist(), **way}], []
+    square = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
+    ring = [(x + i * HALF_WIDTH, y + j * HALF_WIDTH) for i, j in square]
     robots = []
     for k, (v, omega) in enumerate(commands):
         px, py, heading = layout.start[k].tolist()
@@ -468,6 +506,7 @@ def case_world(case: Case, seed: int, reason: str) -> World:
         "reference_path": [(x - 5.0, y - HALF_WIDTH + 1.0), (x + 5.0, y - HALF_WIDTH + 1.0)],
         "robots": robots,
         "controller": {"type": "constant", "commands": commands},
-        "obstacles": [outline.tolist() for outline, *_ in layout.solids],
+        "obstacles": [*(outline.tolist() for outline, *_ in layout.solids), *pushed],
+        "movers": movers,
     }
     return World(**values)

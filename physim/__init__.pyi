@@ -9,6 +9,7 @@ from .drawing import plots, video
 from .drawing.page import page
 from .drawing.video import render
 from .errors import ControllerError, Fault, PhysimError, RecordError, WorldError
+from .judging import judge
 from .parts.controller import (
     Controller,
     Decision,
@@ -89,6 +90,7 @@ __all__ = [
     "check_world",
     "for_each",
     "geometry",
+    "judge",
     "load_world",
     "metrics",
     "observer_of_row",

@@ -74,6 +74,7 @@ LAYERS = {
     "physim.drawing.preview": (5, 3),
     "physim.drawing": (5, 4),
     "physim.authoring": (5, 0),
+    "physim.judging": (5, 0),
     "physim.campaigns": (5, 5),
     "physim.reproduction": (6, 0),
     "physim.cli": (7, 0),

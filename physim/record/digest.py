@@ -62,7 +62,8 @@ def texts(bodies: tuple[Body, ...], declared: Declared) -> dict[str, NDArray[Any
 def digest_of(record: Record, attributes: Mapping[str, Any]) -> str:
     """SHA-256 (hexadecimal), block by block, so that memory stays flat."""
     total = hashlib.sha256()
-    for name, value in (*HEAD.items(), *((name, attributes[name]) for name in DIGESTED)):
+    named = (*DIGESTED, *(["judged"] if record.judged else []))
+    for name, value in (*HEAD.items(), *((name, attributes[name]) for name in named)):
         total.update(f"{name}={value!r}\n".encode())
     told = texts(record.bodies, record.declared)
     held = layout.held(record.tables)

@@ -118,6 +118,20 @@ OPTIONAL = tuple(name for name in get_args(TableName) if name != SENSED)
 """Tables that a run may leave out; the commands and the samples are always there."""
 
 
+@dataclass(frozen=True)
+class Judged:
+    """Where the poses of a record came from that no run made: the log that was judged."""
+
+    source: str
+    """name of the log"""
+    sha256: str
+    """of the log"""
+    begun: float
+    """[s] time of the log at step 0"""
+    notes: tuple[str, ...]
+    """what was done to the log, a sentence each"""
+
+
 class Attributes:
     """Root attributes of the file, as properties of `Record`: type, bounds, and what each means.
 
@@ -179,6 +193,12 @@ class Attributes:
     ]
     versions: Annotated[
         Json[dict[str, str]], "JSON object: versions of physim and its libraries, and the processor"
+    ]
+    judged: Annotated[
+        Json[Judged] | None,
+        Field(default=None),
+        "of a log that was judged alone, JSON object: which, and what was done to it; commands, "
+        "decisions, modes and impulses are not known then",
     ]
 
 

@@ -105,6 +105,7 @@ class RecordWriter:
         begun_at: int = 0,
         begun_along: ArrayLike | None = None,
         origin: layout.Origin = layout.NO_ORIGIN,
+        judged: layout.Judged | None = None,
         flush_every_s: float = 0.5,
         overwrite: bool = True,
     ) -> None:
@@ -116,9 +117,9 @@ class RecordWriter:
         ``tables`` the optional ones that the run fills, ``given`` the parts that came from Python,
         with their ``given_settings`` where these are known. ``begun_at`` is the step of the
         first sample, ``begun_along`` (N, 3) [m] where robots are then, as `Layout.begun_along` has
-        it; ``origin`` is what a branch of a record went on from. Raises RecordError where the file
-        cannot be written, where another run is writing it, and, without ``overwrite``, where it
-        exists; PhysimError for what is no regular file.
+        it; ``origin`` is what a branch of a record went on from, ``judged`` the log that the poses
+        are of. Raises RecordError where the file cannot be written, where another run is writing
+        it, and, without ``overwrite``, where it exists; PhysimError for what is no regular file.
         """
         world = getattr(scene, "world", None)
         every = record_every or (int(world.time.record_every) if world else 1)
@@ -158,6 +159,8 @@ class RecordWriter:
         }
         if origin.digest:
             attributes["origin"] = asdict(origin)
+        if judged is not None:
+            attributes["judged"] = judged
         packed = {
             "shapes": scene.shapes,
             "walls": scene.walls,
@@ -181,7 +184,7 @@ class RecordWriter:
             with self._writing():
                 self._file = self._open(overwrite)
                 for key, value in attributes.items():
-                    is_json = isinstance(value, list | dict | Declared)
+                    is_json = isinstance(value, list | dict | Declared | layout.Judged)
                     self._file.attrs[key] = json.dumps(value, default=asdict) if is_json else value
                 self._file.create_group(layout.WALL_CLOCK)
                 self._datasets = {

@@ -220,7 +220,7 @@ def test_a_dataset_is_there_and_of_its_kind(made: Path, tmp_path: Path, path: st
     "key", [one.alias or name for name, one in AttributesModel.model_fields.items()]
 )
 def test_an_attribute_is_there_and_of_its_kind(made: Path, tmp_path: Path, key: str) -> None:
-    if key != "origin":  # of a branch alone
+    if key not in ("origin", "judged"):  # of a branch alone, and of a log
         refused(altered(made, tmp_path, lambda file: file.attrs.pop(key)), key, "missing")
     refused(altered(made, tmp_path, attribute(key, np.float64(NAN))), key, "nan")
 

@@ -127,9 +127,9 @@ class RecordWriter:
         self.robots, self.moving = len(scene.start), len(scene.shapes.radius)
         self.extremes = Extremes(self.robots)
         self.arrived = np.full(self.robots, -1, dtype=np.int64)
-        self.types = layout.row_types(
-            self.robots, self.moving, [column.name for column in declared.columns]
-        )
+        columns, steers = getattr(scene, "columns", 2), getattr(scene, "steers", False)
+        names = [column.name for column in declared.columns]
+        self.types = layout.row_types(self.robots, self.moving, names, columns > 2, steers)
         """type of the rows of each dataset that grows, by its path"""
         self._waiting: dict[str, list[NDArray[Any]]] = {path: [] for path in self.types}
         self._flush_every_s = flush_every_s
@@ -190,6 +190,7 @@ class RecordWriter:
                 self._datasets = {
                     path: self._made(one, scene.steps // every + 2)
                     for path, one in layout.held(tables).items()
+                    if one.needed or path in self.types
                 }
                 self.flush()
         except BaseException:
@@ -210,14 +211,23 @@ class RecordWriter:
         )
 
     def append_steps(
-        self, step: ArrayLike, pose: ArrayLike, clearance: ArrayLike, boundary_clearance: ArrayLike
+        self,
+        step: ArrayLike,
+        pose: ArrayLike,
+        clearance: ArrayLike,
+        boundary_clearance: ArrayLike,
+        steering: ArrayLike | None = None,
     ) -> None:
         """Append S samples: step (S,), pose (S, B, 3) of all that moves, clearances (S, N) [m].
+
+        Also ``steering`` (B, N) [rad], where wheels steer.
 
         Goes to the file when the time has come; append the decisions and contacts of the samples
         before, then a killed run's tables end with its samples.
         """
         given = step, pose, clearance, boundary_clearance
+        if steering is not None:  # before the samples, which say how many there are
+            self._append(layout.Layout.steering.path, steering)
         for path, rows in zip(layout.STEPS, given, strict=True):
             self._append(path, rows)
         if time.monotonic() >= self._due:

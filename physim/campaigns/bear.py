@@ -45,7 +45,8 @@ from physim.world.file import read_world
 
 CELLS = 32
 """Steps of the grid from the least to the greatest strength, where no precision is given"""
-MOST_STRENGTHS = 1000
+MOST_STRENGTHS = 200
+"""Steps of a grid: each makes a world before the first run"""
 DIGITS = 12
 """Significant digits of a strength: 0.3, not 0.30000000000000004"""
 

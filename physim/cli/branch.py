@@ -68,15 +68,14 @@ def branch(
       0    ran, and the branch met everything under "expect:" in the world
       1    ran, but did not meet an expectation
       2    bad input: one line for each fault says what and where
-      130  interrupted (Ctrl-C): record and videos end there and are complete
+      130  interrupted (Ctrl-C): the record ends there and is complete; a video that is cut short is
+           kept as NAME.cut_short.mp4
 
     examples:
       physim branch runs/ten_robots-21 --at 82.2 --controller path_following
       physim branch runs/ten_robots-21 --at 82.2 --set controller.horizon=6 -o longer
       physim branch mine/record.h5 --at 3 --original my_module:Mine --controller my_module:Better
     """
-    from physim.analysis.parting import parting
-    from physim.analysis.summary import summarise, table
     from physim.record import Record as Opened
     from physim.simulation.recorder import SaveAt
     from physim.simulation.run import record_run
@@ -92,6 +91,10 @@ def branch(
                     save=SaveAt(states="usual", sensed="sensed" in before.tables),
                     progress=bar.simulated if bar.visible else None, stop=interrupt, origin=origin,
                 )  # fmt: skip
+            # not needed before: the branch is to begin at once
+            from physim.analysis.parting import parting
+            from physim.analysis.summary import summarise, table
+
             summary = summarise(after)
             write_text(folder / SUMMARY, summary.to_json())
             parted = parting(before, after)
@@ -108,7 +111,9 @@ def branch(
         print(f"the two runs part: {parted or 'nowhere while both last'}")
         print(files_written(folder))
     if interrupt():
-        print(f"interrupted at {simulation.time:g} s of simulated time", file=sys.stderr)
+        at_once = after.ended == "interrupted"
+        where = f"at {simulation.time:g} s of simulated time" if at_once else "before all is shown"
+        print(f"interrupted {where}", file=sys.stderr)
         return INTERRUPTED
     return 0 if all(one.held for one in summary.expectations) else FAILED
 

@@ -148,6 +148,14 @@ def track(
     return station, deviation, near
 
 
+@compiled
+def put_projected(lines: Polylines, pose: Rows3, first: int, end: int, station: FloatArray) -> None:
+    """Write the stations (n,) [m] on the first polyline of the points of it next to bodies at
+    ``pose`` (n, 3), of those from ``first`` to ``end`` - 1."""
+    for i in range(first, end):
+        station[i], _, _ = project(lines, 0, pose[i, 0], pose[i, 1], -np.inf, np.inf)
+
+
 @dataclass(frozen=True, init=False, eq=False)
 class Path:
     """One polyline of waypoints with its arc length; it cannot be changed."""

@@ -58,6 +58,22 @@ def timed_paths(
     return TimedPaths(np.array(start), np.concatenate(rows), numbers, len(numbers))
 
 
+@compiled
+def put_path_velocities(
+    paths: TimedPaths, time: float, which: IntArray, pose: Rows3, dt: float, velocity: Rows3
+) -> None:
+    """Write the velocities (N, 3) that bring bodies ``which`` (M,) to where they are at ``time``.
+
+    They are at ``pose`` (N, 3) a step of ``dt`` [s] before: vx, vy [m/s], omega [rad/s].
+    """
+    there = np.empty((paths.many, 3))
+    put_timed_poses(paths, time, there)
+    for m in range(paths.many):
+        i = which[m]
+        for k in range(3):
+            velocity[i, k] = (there[m, k] - pose[i, k]) / dt
+
+
 def timed_poses(paths: TimedPaths, time: float) -> FloatArray:
     """Poses (M, 3) x, y [m], heading [rad, unwrapped] at a time [s]."""
     out = np.empty((paths.many, 3))

@@ -85,10 +85,12 @@ class Arrivals:
         """whether all have"""
 
     def follow(self, tracking: Tracking, step: int, pose: FloatArray) -> None:
-        """Judge the sample after the last one, to which ``tracking`` follows."""
-        stations, arrived = np.empty((3, len(pose))), np.empty(len(pose), np.bool_)
+        """Judge the sample after the last one, to which ``tracking`` follows; robots stand first in
+        ``pose``."""
+        robots = len(self.arrived)
+        stations, arrived = np.empty((3, robots)), np.empty(robots, np.bool_)
         self.all = judge_arrivals(
-            self.lines, len(pose), tracking.last.reshape(-1), pose, tracking.windows,
+            self.lines, robots, tracking.last.reshape(-1), pose, tracking.windows,
             tracking.stations.reshape(-1), stations.reshape(-1), step, self.bounds,
             self.trail.reshape(-1, 2), len(self.trail), arrived,
         )  # fmt: skip

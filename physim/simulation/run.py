@@ -20,7 +20,14 @@ from physim.record.layout import SENSED
 from physim.simulation.kept_states import packed
 from physim.simulation.loop import LOOK_ON, Simulation
 from physim.simulation.parts import listed
-from physim.simulation.recorder import STATE_WORK, STEP_WORK, Recorder, SaveAt, check_room
+from physim.simulation.recorder import (
+    FEWEST_STEPS,
+    STATE_WORK,
+    STEP_WORK,
+    Recorder,
+    SaveAt,
+    check_room,
+)
 from physim.simulation.state import SimulationState
 from physim.world import World
 
@@ -173,8 +180,8 @@ def _loop(
     started, step, begun = time.perf_counter(), simulation.scene.dt, simulation.step_number
     apart = 0
     if states is not None:
-        usual = STATE_WORK // (simulation.scene.robots + STEP_WORK)
-        apart = max(1, usual if states == "usual" else round(states / step))
+        usual = max(FEWEST_STEPS, STATE_WORK // (simulation.scene.robots + STEP_WORK))
+        apart = usual if states == "usual" else max(1, round(states / step))
     while simulation.step_number < simulation.scene.steps:
         simulation.step()
         if begun + recorder.taken != simulation.step_number:

@@ -20,6 +20,7 @@ from tests.helpers import check_error, facts, inside
 
 next_strength, bracket = inside("physim.campaigns", "next_strength", "bracket")
 each_confidence, varied = inside("physim.campaigns", "each_confidence", "varied")
+Borne, sentences, picture = inside("physim.campaigns", "Borne", "sentences", "picture")
 
 LAST, SEEDS, CONFIDENCE, REPEATED = 16, 300, 0.8, 150
 TARGET = Goal("rate", ">", 0.5)
@@ -65,6 +66,33 @@ def test_a_bracket_is_right_as_often_as_it_says(name: str, paired: bool) -> None
     assert wrong <= (1.0 - CONFIDENCE) * REPEATED
     if name in ("steep", "slope"):
         assert np.median(wide) == (1 if name == "steep" else 4)
+
+
+MET = Decision(20, 20, 0.8, 1.0, True, True)
+MISSED = Decision(20, 4, 0.05, 0.45, True, False)
+LESS = Decision(20, 1, 0.0, 0.04, True, False)  # an earlier look was below the share of 5 %
+OPEN = Decision(20, 12, 0.3, 0.8, False, None)
+
+
+@pytest.mark.parametrize(
+    ("known", "said"),
+    [
+        ({0: MISSED}, ("0: fewer than 50 %", "even at the least")),
+        ({0: MET, 4: MET}, ("4: at least 50 %", "--most")),
+        ({0: MET, 2: OPEN, 4: MISSED}, ("0: at least 50 %", "4: fewer", "At 2", "--seeds")),
+        ({0: OPEN, 4: OPEN}, ("not found", "At 0 and 4", "--seeds")),
+        ({0: MET, 2: LESS, 4: MISSED}, ("2: fewer", "NOTE", "higher at 4 than at 2")),
+    ],
+)
+def test_it_says_what_is_known_and_no_more(
+    known: dict[int, Decision], said: tuple[str, ...]
+) -> None:
+    grid = (0.0, 1.0, 2.0, 3.0, 4.0)
+    found = Borne("w", "c", "noise", TARGET, 0.95, grid, known, False)
+    told = "\n".join(sentences(found))
+    assert picture(found).axes
+    assert re.search(facts(*said), told), told
+    assert ("NOTE" in told) == ("NOTE" in said)
 
 
 DICE = '''
@@ -162,7 +190,7 @@ def test_what_is_varied_is_found_or_asked_for(dice: Path) -> None:
         (("--vary", "formation.gain", "--set", "formation.gain=1"), ("--set",)),
         (("--vary", "formation.gain", "--least", "3"), ("above --least",)),
         (("--vary", "formation.gain", "--target", "1"), ("below 1",)),
-        (("--vary", "formation.gain", "--precision", "0.001"), ("0.003",)),
+        (("--vary", "formation.gain", "--precision", "0.01"), ("0.015",)),
     ],
 )
 def test_bad_input_is_one_line_and_nothing_is_written(

@@ -18,6 +18,26 @@ from tests.helpers import said
 QUICK = ("--no-video", "--quiet")
 TOUCHING = ("three_robots", "--controller", "path_following", "--set", "time.duration=2")
 """Robots touch from 0.83 s to 1.42 s."""
+BUSY = """
+name: busy
+seed: 3
+time: {step: 0.01, duration: 9.0}
+boundaries: [[[0, 0], [20, 0], [20, 6], [0, 6], [0, 0]]]
+reference_path: [[1.5, 3.0], [18.0, 3.0]]
+robots:
+  - {name: r1, footprint: {length: 1.0, width: 0.6}, pose: [2.0, 3.0, 0.0], path: {offset: 0.0}}
+  - {name: r2, footprint: {length: 1.0, width: 0.6}, pose: [4.0, 3.0, 0.0], path: {offset: 0.0}}
+movers:
+  - name: cart
+    footprint: {length: 1.0, width: 1.0}
+    waypoints: [[9.0, 1.0], [9.0, 5.0]]
+    speed: 0.5
+    repeat: to_and_fro
+obstacles: [{corners: [[11.0, 2.7], [11.6, 2.7], [11.6, 3.3], [11.0, 3.3]], mass: 20.0}]
+controller: {type: path_following}
+disturbances: [{type: actuation, v: {noise: 0.1}, omega: {noise: 0.2}, delay: 3}]
+"""
+"""A cart pushes a robot from 4.16 s on, a robot a box from 8.36 s on."""
 DRIVES = """
 from physim import Decision
 
@@ -54,7 +74,7 @@ def check_same(branch: Record, whole: Record) -> None:
     """The branch is the end of the original, bit for bit, contacts under way included."""
     first, at = np.searchsorted(whole.steps, branch.begun_at), branch.begun_at
     assert (branch.ended, branch.steps_run) == (whole.ended, whole.steps_run)
-    for name in ("steps", "pose", "clearance", "boundary_clearance", "course"):
+    for name in ("steps", "moving_pose", "clearance", "boundary_clearance", "course"):
         np.testing.assert_array_equal(getattr(branch, name), getattr(whole, name)[first:])
     for name in ("updates", "contacts", "considered"):
         rows = getattr(whole, name)
@@ -85,6 +105,24 @@ def test_without_changes_it_is_the_original_from_any_step(run, times) -> None:
                 else:
                     mine, theirs = (one.pose[one.steps % 7 == 0] for one in (branch, whole))
                     np.testing.assert_array_equal(mine, theirs[-len(mine) :])
+
+
+def test_movers_boxes_and_disturbances_go_on_and_may_end() -> None:
+    Path("busy.yaml").write_text(BUSY)
+    with Record.load(made("busy.yaml")) as whole:
+        assert {int(one) for one in whole.contacts["b"]} >= {2, 3}
+        for k, at in enumerate(("4.18", "5.7", "8.5")):
+            with branched(whole.path, "--at", at, out=f"same{k}") as branch:
+                assert len(branch.contacts[branch.contacts["step"] == branch.begun_at])
+                check_same(branch, whole)
+        calm = ("--at", "5", "--set", "disturbances=[]")
+        with branched(whole.path, *calm, out="calm") as branch:
+            assert branch.origin.changed == {"disturbances.0.type": ("actuation", "none")}
+            np.testing.assert_array_equal(branch.moving_pose[:, 2], whole.moving_pose[500:, 2])
+            assert not len(branch.commands[branch.commands["step"] > 510])
+            assert (branch.pose[-1] != whole.pose[-1]).all()
+    refused = said("branch", "whole", "--at", "5", "--set", "movers.0.speed=0.1")
+    assert (refused.code, "movers.0.speed is 0.5" in refused.err) == (2, True)
 
 
 def test_states_are_kept_and_change_no_digest() -> None:

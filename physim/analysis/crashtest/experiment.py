@@ -22,6 +22,7 @@ from physim.analysis.crashtest.drafts import (
     case_world,
     draw_case,
     place_of,
+    way_of,
 )
 from physim.analysis.crashtest.prediction import Packed, approach, pack, predict
 from physim.analysis.crashtest.report import (
@@ -35,6 +36,7 @@ from physim.analysis.crashtest.report import (
 from physim.contacts import Phase
 from physim.errors import PhysimError
 from physim.geometry.shapes import IntArray
+from physim.geometry.timed_paths import TimedPaths, timed_paths
 from physim.simulation.engine import Physics
 from physim.tolerances import CLOSING_SPEED, CONTACT, TIME, chord
 
@@ -42,13 +44,15 @@ BLOCK = 2000
 """Cases drawn at a time; each time step among them gets a space of its own."""
 
 
-def simulate_cases(batch: Packed) -> tuple[IntArray, int]:
-    """Drive every robot for STEPS steps.
+def simulate_cases(batch: Packed, movers: TimedPaths) -> tuple[IntArray, int]:
+    """Drive every robot for STEPS steps; those of infinite mass follow ``movers``.
 
     Sample (M,) of the first physical contact of each case, or NEVER, and how many false contacts
     of the engine were kept out.
     """
-    physics = Physics(batch.shapes, batch.walls, batch.start, batch.mass, batch.dt)
+    physics = Physics(
+        batch.shapes, batch.walls, batch.start, batch.mass, batch.dt, movers=movers
+    )  # fmt: skip
     count = np.diff(batch.first_robot)
     case_of = np.repeat(np.arange(len(count)), count)
     sample = np.full(len(count), NEVER, dtype=np.int64)
@@ -100,7 +104,10 @@ def _compare(
     """Simulate and compare cases of one time step; what came of them goes into the report."""
     dt = cases[0].dt
     batch = pack(dt, cases)
-    (sample, rejected), predicted = simulate_cases(batch), predict(batch)
+    ways = [way_of(case.layout, dt) for case in cases if case.layout.second == "mover"]
+    poses, times = [way[0] for way in ways], [way[1] for way in ways]
+    movers = timed_paths(poses, times, ["once"] * len(ways))
+    (sample, rejected), predicted = simulate_cases(batch, movers), predict(batch)
     xi = predicted.time
     seen = approach(batch, xi)  # by the true shapes and arcs, whoever predicted xi
     report.rejected += rejected

@@ -94,7 +94,7 @@ def stop_time(key: int, now: float, moves: Moves, deepest: float, stops: IntArra
     """Share of the step, from ``now`` on, at which a pair stops; 2 where it goes on to the end."""
     a, b = key // moves.bodies, key % moves.bodies
     has_mover = moves.goes_on[a] or (b < moves.robots and moves.goes_on[b])
-    if has_mover and stops[a] and stops[b]:  # it stands, and the mover goes on all the same
+    if has_mover and stops[a] and stops[b]:  # what can stop has stopped
         return 2.0
     after = depth(a, b, 1.0, moves)
     if after <= deepest:
@@ -103,7 +103,7 @@ def stop_time(key: int, now: float, moves: Moves, deepest: float, stops: IntArra
     if after <= before:
         return 2.0
     least = max(before, SETTLED_DEPTH)
-    low, high = 0.0 if stops[a] and stops[b] else now, 1.0
+    low, high = 0.0 if has_mover or (stops[a] and stops[b]) else now, 1.0
     lower = depth(a, b, low, moves) - least
     if lower > 0.0:
         return low
@@ -127,11 +127,15 @@ def stop_time(key: int, now: float, moves: Moves, deepest: float, stops: IntArra
 
 @compiled
 def depth(a: int, b: int, time: float, moves: Moves) -> float:
-    """Depth [m] of a pair after a share ``time`` of the step, each no farther than it goes."""
+    """Depth [m] of a pair after a share ``time`` of the step, each no farther than it goes.
+
+    A mover is where it will be at the end: what meets it is to touch it there.
+    """
     at = np.empty((2, 3))
     for row in range(2):
         i = b if row else a
-        left = 1.0 - min(time, moves.share[i]) if i < moves.robots else 0.0
+        stands = i >= moves.robots or moves.goes_on[i]
+        left = 0.0 if stands else 1.0 - min(time, moves.share[i])
         for k in range(3):
             at[row, k] = moves.end[i, k]
             if left > 0.0:

@@ -21,7 +21,7 @@ from physim.geometry.shapes import (
     joined_shapes,
     part_bodies,
 )
-from physim.geometry.timed_paths import TimedPaths, timed_poses
+from physim.geometry.timed_paths import TimedPaths, put_path_velocities
 from physim.geometry.walls import build_wall_tree, nearest_walls
 from physim.simulation.engine.cutting import Moves, cut_short
 from physim.simulation.engine.energy import OF_IMPACTS, OF_PUSHES, failures
@@ -52,8 +52,8 @@ six robots go straight by it; more rounds in crowds would cost more than all els
 class Physics:
     """N bodies among walls as rigid bodies that follow commands and are stopped by contact.
 
-    The first of them are robots. Then may stand movers, of infinite mass, which follow timed paths
-    whatever stands there, and obstacles that can be pushed, which are robots that want to stand.
+    Robots come first. Movers, of infinite mass, follow timed paths whatever stands there; obstacles
+    that can be pushed are like robots that want to stand.
 
     While something touches, a step first asks the engine what contacts allow of the wanted
     velocities (push); then every body moves with the velocity it may have, and the contacts at
@@ -122,8 +122,8 @@ class Physics:
         self._parking[:, 1] = room + walls.vertices[:, 1].max(initial=0.0)
 
         self._goes_on = np.isinf(mass)
-        first, count = int(np.argmax(self._goes_on)), int(self._goes_on.sum())
-        self._movers, self._paths = slice(first, first + count), movers if count else None
+        self._movers = np.flatnonzero(self._goes_on)
+        self._paths = movers if len(self._movers) else None
         finite = np.where(self._goes_on, 0.0, mass)
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(finite)]
         self._inertia = np.array(inertia, dtype=np.float64).reshape(-1, 3)
@@ -158,8 +158,10 @@ class Physics:
         chord_velocities(arrays.pose, self._twist, self._robots, self.dt, arrays.velocity)
         self.step_number += 1
         if self._paths is not None:
-            self._put_on_paths()
-            arrays.velocity[self._movers] = (self._target - start[self._movers]) / self.dt
+            put_path_velocities(
+                self._paths, self.step_number * self.dt, self._movers, arrays.pose, self.dt,
+                arrays.velocity,
+            )  # fmt: skip
         pushes, to_solve = self._no_pairs, self._to_solve(before.key)
         if to_solve:
             pushes = self._hold_back(to_solve)
@@ -208,15 +210,9 @@ class Physics:
         if not np.isfinite(pose).all():
             raise PhysimError("a pose is not finite")
 
-    def _put_on_paths(self) -> None:
-        """Work out where movers are at this step."""
-        if self._paths is not None:
-            self._target = timed_poses(self._paths, self.step_number * self.dt)
-
     def _begin(self, pose: FloatArray) -> None:
         """Find what touches at sample 0, at whose poses the robots stand."""
         self.step_number = 0
-        self._put_on_paths()
         self._pairs = self._no_pairs
         self.contacts, self.false_contacts = self._no_contacts, self._no_false
         self._move(self._no_pairs, self._no_pairs, 0)
@@ -232,12 +228,18 @@ class Physics:
         """Make of the velocities of robots in contact what these allow; the pushes.
 
         Bodies stand still, but for the engine's easing of overlaps, and are driven by the forces
-        that would give them the wanted velocities.
+        that would give them the wanted velocities. Movers come, from a step back, to where they
+        stand.
         """
         arrays, wanted = self._arrays, self._arrays.velocity.copy()
         arrays.drive[:, :3] = 0.0
         np.multiply(wanted, self._drive_per_speed, out=arrays.drive[:, 3:])
-        arrays.drive[self._movers, :3] = wanted[self._movers]
+        if self._paths is not None:
+            movers, standing = self._movers, arrays.pose.copy()
+            arrays.drive[movers, :3] = wanted[movers]
+            arrays.pose[movers] -= wanted[movers] * self.dt
+            arrays.write_pose()
+            arrays.pose[:] = standing
         arrays.write_drive()
         pushes = self._gather(self._solve(to_solve))
         arrays.read_velocity()
@@ -254,10 +256,6 @@ class Physics:
         """Move all bodies by ``velocity`` and set ``contacts``, given the pairs ``before``."""
         arrays = self._arrays
         arrays.write_velocity()
-        if self._paths is not None:
-            arrays.read_pose()
-            arrays.pose[self._movers] = self._target
-            arrays.write_pose()
         touches = self._solve(to_solve)
         arrays.read_pose()
         now = self._gather(touches)

@@ -16,7 +16,6 @@ import pymunk
 from pymunk._chipmunk_cffi import ffi, lib
 from pymunk.batch import BodyFields, Buffer
 
-from physim.compiled import address_of, compiled
 from physim.geometry.polygon import moment
 from physim.geometry.shapes import FloatArray, Shapes, body_parts
 from physim.tolerances import CONTACT
@@ -85,8 +84,6 @@ def build_space(
             body = pymunk.Body(m, moment(own, m))
         else:
             body = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-            put = ffi.cast("cpBodyPositionFunc", address_of(stay))
-            lib.cpBodySetPositionUpdateFunc(body._body, put)
         body.position, body.angle = (x, y), heading
         polygons = [_solid(body, part) for part in own]
         space.add(body, *polygons)
@@ -105,15 +102,6 @@ def build_space(
         shape.friction = float(np.sqrt(friction))
         shape.elasticity = float(np.sqrt(elasticity))
     return Hosted(space, bodies, parts)
-
-
-@compiled
-def stay(body: int) -> None:
-    """Called by the engine to move a mover in a solve: its pose is written, before the solve.
-
-    The engine hands over the time, too, which is not taken.
-    """
-    return
 
 
 def _solid(body: pymunk.Body, part: FloatArray) -> pymunk.Shape:

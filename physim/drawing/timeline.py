@@ -128,8 +128,9 @@ class Timeline:
         """Whether any decision has a target."""
         self._arrived = np.where(record.arrived >= 0, record.arrived * record.dt, np.inf)
         self.contacts = episodes(record)
-        self.modeless = len(self._rows) > 1 and bool((self._mode == NO_NUMBER).all())
-        """Whether there are decisions, and none gave a mode."""
+        is_told = len(self._rows) > 1 or record.judged is not None
+        self.modeless = is_told and bool((self._mode == NO_NUMBER).all())
+        """Whether there are decisions, and none gave a mode; of a log that was judged none can."""
         most = np.full(self.robots, NO_NUMBER)
         np.maximum.at(most, robot, record.updates["mode"])
         silent = (most == NO_NUMBER) & (np.bincount(robot, minlength=self.robots) > 0)

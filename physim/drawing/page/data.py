@@ -52,6 +52,7 @@ MOMENTS = (
     ("shortest_distance", "shortest distance"),
     ("shortest_boundary_distance", "nearest to a wall"),
     ("shortest_collision_time", "shortest collision time"),
+    ("seen_collision_time", "shortest collision time, if both go on"),
     ("first_contact", "first contact"),
     ("deepest_contact", "deepest contact"),
     ("formation_error_peak", "largest formation error"),
@@ -104,6 +105,7 @@ def run_data(
         ],
         "explained": timeline.explained_modes,
         "modeless": timeline.modeless,
+        **({} if record.judged is None else {"judged": True}),
         "columns": [vars(column) for column in record.declared.columns],
         "signs": list(signs(timeline, ground(timeline))),
         "drivers": [one._asdict() for one in timeline.drivers],
@@ -145,7 +147,9 @@ def _check_room(record: Record) -> None:
 
 
 def _range(record: Record) -> float | None:
-    """Sensing range [m]; None where the world inside is faulty."""
+    """Sensing range [m]; None where the world inside is faulty, and of a log."""
+    if record.judged is not None:
+        return None
     try:
         return float(record.world.sensing_range)
     except PhysimError:

@@ -161,6 +161,7 @@ def groupings(timeline: Timeline, room: int) -> Iterator[list[Group]]:
     drivers = timeline.drivers
     if not drivers:
         head = f"{'modes of' if explained else 'controller'} {setup.controller.name}"
+        head = head if setup.judged is None else setup.controller.name
         beside = wrapped(setup.controller.set_to, SMALL, room, most=3)
         yield [Group([shorten(head, SMALL, room), *beside], explained)]
         return

@@ -24,7 +24,8 @@ export function whyRobot(view, robot, time, go) {
   const row = run.decision(robot, time);
   const name = run.names[robot];
   if (row < 0) {
-    return [head(name, null), el("p", {}, `${name} has not decided anything yet.`), story(view, robot, go)];
+    const known = run.header.judged ? "A log of poses does not tell what it decided." : `${name} has not decided anything yet.`;
+    return [head(name, null), el("p", {}, known), story(view, robot, go)];
   }
   const mode = run.mode[row] < 0 ? null : run.modes[run.mode[row]];
   const rule = run.header.why.rules[run.rule[row]] ?? null;

@@ -299,8 +299,8 @@ def _write_times(axis: Any, scene: SceneModel, record: Record, at: IntArray) -> 
     taken = np.concatenate((robots - reach, robots + reach), axis=1)
     for row in at if scene.moved else ():
         poses = record.moving_pose[row, record.robots :]
-        for one, pose in zip(scene.moved_shapes, poses, strict=True):
-            outline = pointed(axis, placed(one.rings[0], pose))
+        for body, pose in zip(scene.moved_shapes, poses, strict=True):
+            outline = pointed(axis, placed(body.rings[0], pose))
             taken = np.vstack((taken, np.append(outline.min(axis=0), outline.max(axis=0))))
     lines = _priced(axis, ((walls, ON_WALL), (courses, ON_PATH)))
     found = settle(axis, notes, lines, taken)

@@ -45,16 +45,7 @@ from physim.drawing.video.film import (
     size_at,
 )
 from physim.drawing.video.ground import Whole, ground
-from physim.drawing.video.panel import (
-    GROUND,
-    KEPT,
-    ROW,
-    SIGN,
-    Panel,
-    draw_signs,
-    mode_signs,
-    signs,
-)
+from physim.drawing.video.panel import GROUND, KEPT, ROW, SIGN, Panel, draw_signs, mode_signs, signs
 from physim.drawing.video.strip import Strip
 from physim.drawing.video.text import BOLD, TEXT, TITLE, shorten, width
 from physim.drawing.video.view import SHORT, Camera, View, smallest_length

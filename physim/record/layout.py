@@ -485,9 +485,10 @@ class Layout(Attributes):
         (
             _STEP, Column("observer", "<i4", "", "robot that decided", 0, "robots"),
             Column("body", "<i4", "", "body that it sensed, itself too", 0, "bodies"),
-            *(Column(one, "<f8", unit, "as sensed", -FAR, FAR) for one, unit in _MOTION.items()),
-            Column("reference_station", "<f8", "m", "along the reference path, as sensed"),
-            Column("age", "<f8", "s", "how old this is", 0.0, FAR),
+            *(Column(one, "<f8", unit, "as sensed, NaN unseen") for one, unit in _MOTION.items()),
+            Column("age", "<f8", "s", "how old all these are", 0.0),
+            Column("reference_station", "<f8", "m", "along the reference path, as told"),
+            Column("heard", "<f8", "s", "how old that is; inf: not told, but estimated", 0.0),
         ),
         "what each robot that decided sensed of bodies within range and knew of formation "
         "neighbours; only where it was asked for (physim run --keep-sensed)",

@@ -283,7 +283,8 @@ def sensed_rows(view: View, robots: IntArray) -> NDArray[np.void]:
     rows["observer"] = np.repeat(robots, [len(one) for one in known])
     rows["x"], rows["y"], rows["heading"] = sensed.pose[at].T
     rows["vx"], rows["vy"], rows["omega"] = sensed.velocity[at].T
-    rows["reference_station"], rows["age"] = sensed.reference_station[at], sensed.age[at]
+    for name in ("age", "reference_station", "heard"):
+        rows[name] = getattr(sensed, name)[at]
     return rows
 
 

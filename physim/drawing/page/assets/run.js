@@ -14,10 +14,11 @@ export class Run {
     this.marks = header.marks; // of who drives each robot, behind its name
     this.modes = header.modes;
     this.knots = starts(array.whole("knots"));
+    this.moving = this.knots.length - 1; // bodies that move: robots first, then movers and what is pushed
     this.knotStep = array.whole("knot_step");
     this.knot = ["x", "y", "heading"].map((name) => array(`knot_${name}`));
-    this.cursor = new Int32Array(this.robots);
-    this.pose = new Float64Array(3 * this.robots);
+    this.cursor = new Int32Array(this.moving);
+    this.pose = new Float64Array(3 * this.moving);
     this.first = starts(array.whole("decisions"));
     this.step = array.whole("step");
     this.hold = array.whole("hold");
@@ -37,9 +38,10 @@ export class Run {
     return this.columns.get(name);
   }
 
-  /** Puts the poses (x, y, heading of each robot) at a time [s] into `out`, or its own array. */
+  /** Puts the poses (x, y, heading of each body) at a time [s] into `out`, or its own array; as many
+   * as it has room for. */
   poses(time, out = this.pose) {
-    for (let robot = 0; robot < this.robots; robot++) this.place(robot, time, out, 3 * robot);
+    for (let body = 0; 3 * body < out.length; body++) this.place(body, time, out, 3 * body);
     return out;
   }
 
@@ -87,6 +89,11 @@ export class Run {
     return k;
   }
 
+  /** Key of the colour of a body: that of its kind, beside robots. */
+  kind(body) {
+    return this.header.scene.bodies[body].kind;
+  }
+
   /** Row of a robot's last decision at or before a time [s]; -1 before its first. */
   decision(robot, time) {
     const row = lastAtMost(this.step, (time + SLACK) / this.dt, this.first[robot], this.first[robot + 1]);
@@ -124,10 +131,12 @@ export class Run {
     return [...this.others.subarray(this.othersStart[set], this.othersStart[set + 1])];
   }
 
-  /** Commands of a robot at a time: nominal, filtered, applied, each [v, omega]; kept [s] how exact. */
+  /** Commands of a robot at a time: nominal, filtered, applied, each [v, omega], with the lateral
+   * speed last where robots have any; kept [s] how exact. */
   commands(robot, time) {
     const row = this.decision(robot, time);
-    const own = row < 0 ? [0, 0] : [this.column("nominal_v")[row], this.column("nominal_omega")[row]];
+    const parts = ["v", "omega", "lateral"].filter((part) => this.array.has(`nominal_${part}`));
+    const own = parts.map((part) => (row < 0 ? 0 : this.column(`nominal_${part}`)[row]));
     const apart = this.header.decisions.commands;
     const found = { nominal: own, filtered: own, applied: own, apart };
     if (apart < 0) return found;
@@ -140,7 +149,7 @@ export class Run {
     const old = Math.max(0, Math.round(apart / this.dt) - 1);
     if (at < low || this.commandStep[at] < step - old) return found;
     for (const stage of ["nominal", "filtered", "applied"]) {
-      found[stage] = ["v", "omega"].map((part) => this.column(`command:${stage}_${part}`)[at]);
+      found[stage] = parts.map((part) => this.column(`command:${stage}_${part}`)[at]);
     }
     return found;
   }

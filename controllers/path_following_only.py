@@ -1,12 +1,13 @@
 """Path following alone: (1) to (6) in plain Python, deaf to other robots and to walls.
 
-A baseline to compare with, and an example of a controller written from the observation alone.
+A baseline to compare with, and an example of a controller written from the observation alone. An
+omnidirectional robot keeps its heading and goes straight towards the target, which is ours.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import sqrt
+from math import cos, hypot, sin, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,7 +33,7 @@ class PathFollowing:
         Rule("stop", "stands at its stop station"),
     )
     columns = STANDARD_COLUMNS[:2]
-    drives = ("unicycle", "car")
+    drives = ("unicycle", "car", "omni")
 
     Settings = PathFollowingSettings
 
@@ -68,6 +69,16 @@ class PathFollowing:
         nu = min(nu, observation.limits[0])
         missing = observation.stop_station - observation.station
         nu = min(nu, sqrt(observation.vehicle.braking * missing))
+        target = {"target_x": x, "target_y": y}
+        if observation.vehicle.sideways > 0.0:
+            dx, dy, heading = x - observation.pose[0], y - observation.pose[1], observation.pose[2]
+            c, s, far = cos(heading), sin(heading), hypot(dx, dy)
+            v, lateral = nu * (c * dx + s * dy) / far, nu * (c * dy - s * dx) / far
+            slower = min(1.0, observation.vehicle.sideways / max(abs(lateral), 1e-9))
+            return Decision(
+                slower * v, 0.0, hold=rules.update_period, mode=SAFE, rule="path_following",
+                report=target, lateral=slower * lateral,
+            )  # fmt: skip
         pairs = speed_pairs(np.array([1.0]), nu, np.array(omegas))
         period = max(rules.update_period, rules.judge_ahead)
         for k, (v, omega) in enumerate(pairs.each.tolist()):
@@ -79,5 +90,5 @@ class PathFollowing:
         v, omega = plan[0]
         return Decision(
             v, omega, hold=rules.update_period, mode=SAFE, rule="path_following",
-            report={"target_x": x, "target_y": y},
+            report=target,
         )  # fmt: skip

@@ -306,6 +306,8 @@ class Vehicle:
     """[rad] of its steered wheels, left positive; 0 of a robot without any"""
     braking: float
     """[m/s²] by which it can slow down; inf of one that stops at once"""
+    sideways: float
+    """[m/s] greatest lateral speed; 0 of a robot that only goes the way it faces"""
     _reach: Callable[[float], tuple[float, ...]] = field(repr=False, compare=False)
 
     def reachable(self, time: float) -> Reach:
@@ -324,8 +326,8 @@ class Vehicle:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies know what can be reached at once, and no more."""
-        plain = (self.drive, self.v, self.omega, self.lateral, self.steering, self.braking)
-        return Vehicle, (*plain, _no_reach)
+        plain = (self.drive, self.v, self.omega, self.lateral, self.steering)
+        return Vehicle, (*plain, self.braking, self.sideways, _no_reach)
 
 
 def _no_reach(time: float) -> tuple[float, ...]:

@@ -183,6 +183,7 @@ class View:
         name = next((one.type for one in drives if i in one.robots), PLAIN)
         return Vehicle(
             name, v, omega, lateral, steering[0] if steering else 0.0, self.scene.braking.item(i),
+            self.scene.limits.item(i, 2) if self.scene.columns > 2 else 0.0,
             lambda time: tuple(self.reach(time)[i].tolist()),
         )  # fmt: skip
 

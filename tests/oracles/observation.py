@@ -81,9 +81,7 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
         range=reach,
         dt=scene.dt,
         formation=FormationView(plan.active, plan.gain, plan.speed, plan.v_min, plan.v_max),
-        vehicle=Vehicle(
-            "unicycle", float(command[me, 0]), float(command[me, 1]), 0.0, 0.0, float("inf"), None
-        ),
+        vehicle=Vehicle("unicycle", *command[me].tolist(), 0.0, 0.0, float("inf"), 0.0, None),
         speeds=scene.speeds[i],
         omegas=scene.omegas[i],
     )

@@ -52,8 +52,8 @@ SEEDS = 100
 Figures = Mapping[str, float]
 Rates = dict[str, Any]
 """Of one world: ``version``, ``seeds``, and by arm, ``with``, ``without`` and ``undisturbed``, runs
-that are contact-free and finished, and what `with_it` or `without_it` gives. A world that is shipped
-without avoidance has no arm ``with``, one without disturbances none ``undisturbed``."""
+that are contact-free and finished, and what `with_it` or `without_it` gives. A world that is
+shipped without avoidance has no arm ``with``, one without disturbances none ``undisturbed``."""
 
 
 def measure(record: Record) -> Figures:

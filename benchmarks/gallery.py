@@ -68,6 +68,12 @@ SHOTS = {
     "warehouse": Shot(4.0, 60.0, 5.0, 40.0),
     "jam": Shot(8.0, 28.0, 2.0, 24.0),
     "hundred_robots": Shot(24.0, 54.0, 3.0, 46.0),
+    "sliding_door": Shot(4.0, 32.0, 2.0, 13.5),
+    "crossing_cart": Shot(12.0, 36.0, 2.0, 20.0),
+    "cars": Shot(4.0, 34.0, 2.0, 16.0),
+    "mixed_team": Shot(2.0, 46.0, 4.0, 22.0),
+    "noisy_ten_robots": Shot(46.0, 66.0, 2.0, 56.0),
+    "lossy_ten_robots": Shot(46.0, 66.0, 2.0, 56.0),
     "thousand_robots": Shot(23.0, 43.0, 2.0, 40.0),
 }
 MEDIA_SHOT = Shot(40.0, 72.0, 2.0, 56.0)

@@ -257,3 +257,13 @@ def test_a_car_that_faces_a_wall_backs_and_goes_on():
     assert len(run.contacts) == 0
     assert run.commands_over("applied", 0, run.steps_run)[:, 0, 0].min() < -0.1
     assert run.pose[-1, 0, 0] > 7.0
+
+
+def test_path_following_leads_an_omnidirectional_robot_sideways():
+    drive = "{type: omni, lateral: 0.3, acceleration: 1.0}"
+    where = robot("a", 2, drive).replace("offset: 2", "offset: -2")
+    record = physim.simulate(world(where, more="controller: {type: path_following}\n"))
+    assert record.ended == "finished"
+    assert np.ptp(record.pose[:, 0, 2]) < 1e-12  # it never turns
+    assert np.abs(record.updates["nominal_lateral"]).max() == pytest.approx(0.3)
+    assert record.pose[-1, 0, 1] == pytest.approx(-2.0, abs=0.05)

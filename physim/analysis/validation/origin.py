@@ -115,8 +115,8 @@ def compare_with_world(record: Record, inside: Inside) -> tuple[Finding, ...]:
             *unlike_attributes(record, start, SAME, BY),
             *unlike_scene(record, start, PATHS, BY, exact=False),
         ]
-        if record.robots == start.robots and record.samples and not record.begun_at:
-            pose = record.read("/steps/pose", 0, 1), scene.start[None]
+        if record.moving == start.moving and record.samples and not record.begun_at:
+            pose = record.read("/steps/pose", 0, 1), scene.moving_start[None]
             first = first_difference(record, "/steps/pose", *pose, BY, False, record.steps)
             found += [] if first is None else [first]
         return (*found, *_areas(record, start))

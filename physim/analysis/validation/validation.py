@@ -267,7 +267,7 @@ def judge(
         compare(whole, analytic, distances),
         contacts_of(whole, analytic, table, Predictor(whole, table)),
         swept_contacts(whole, table), near_misses(whole, analytic, table),
-        check_motion(whole, table, inside.scene.mass if inside.fits(whole) else None),
+        check_motion(whole, table, inside.scene if inside.fits(whole) else None),
         compare_with_world(record, inside), recomputed, tuple(expectations(whole)),
         Figures(whole).deep, rerun, without,
     )  # fmt: skip

@@ -71,7 +71,8 @@ def near_misses(record: Record, analytic: AnalyticContacts, table: DecisionTable
     def listed(who: IntArray, values: FloatArray) -> tuple[NearMiss, ...]:
         """Those of rows (M, 3) of step, a and b, the smallest first, whose pair never touched."""
         some = ((*place, value) for place, value in zip(who.tolist(), values.tolist(), strict=True))
-        missed = [one for one in some if one[1:3] not in touched][:MOST_LISTED]
+        mine = (one for one in some if one[1] < record.robots)
+        missed = [one for one in mine if one[1:3] not in touched][:MOST_LISTED]
         return tuple(_near_miss(table, *one) for one in missed)
 
     def smallest(one: Moment | None) -> NearMiss | None:

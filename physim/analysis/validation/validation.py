@@ -44,7 +44,7 @@ from physim.errors import RecordError, plural
 from physim.json_text import json_text, plain
 from physim.parts.declarations import Mode, Rule
 from physim.record import Record, check_record
-from physim.record.layout import OPTIONAL
+from physim.record.layout import OPTIONAL, moving
 from physim.record.setup import Setup
 from physim.simulation.again import AgainError, simulation_again
 from physim.world.faults import describe
@@ -82,6 +82,11 @@ class Run:
     """parts that came from Python in place of or beside what the world names: kind and name"""
     setup: Setup
     """controller and stages with their settings"""
+
+    @property
+    def moving(self) -> int:
+        """How many bodies move: robots, movers and obstacles that can be pushed."""
+        return moving(self.bodies)
 
 
 @dataclass(frozen=True, repr=False)

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from physim.errors import Fault, Location
 from physim.parts.controller import Decision, Observation
+from physim.parts.drive import ANY
 from physim.tolerances import SHARE
 
 if TYPE_CHECKING:
@@ -30,9 +31,10 @@ class ConstantSettings(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
-    commands: tuple[tuple[Number, Number], ...] = Field(
+    commands: tuple[Annotated[tuple[Number, ...], Field(min_length=2, max_length=3)], ...] = Field(
         default=(),
-        description="[m/s, rad/s] v and omega of each robot, in their order",
+        description="[m/s, rad/s] v and omega of each robot, in their order; of an "
+        "omnidirectional one also lateral [m/s], left positive",
     )
     v: Number = Field(default=0.0, description="[m/s] of robots beyond the list")
     omega: Number = Field(default=0.0, description="[rad/s] of robots beyond the list")
@@ -42,6 +44,7 @@ class Constant:
     """Drives every robot at a constant (v, omega) of its own, whatever happens."""
 
     Settings = ConstantSettings
+    drives = (ANY,)
 
     def __init__(self, settings: ConstantSettings | None = None) -> None:
         self.settings = settings or ConstantSettings()
@@ -65,11 +68,12 @@ class Constant:
                     faults.append(Fault(("controller", *at), message))
         return faults
 
-    def _command(self, i: int) -> tuple[float, float]:
-        """v [m/s] and omega [rad/s] of Robot i."""
+    def _command(self, i: int) -> tuple[float, ...]:
+        """v [m/s], omega [rad/s] and, where it is given, lateral [m/s] of Robot i."""
         own = self.settings
         return own.commands[i] if i < len(own.commands) else (own.v, own.omega)
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Hold the robot's command for good."""
-        return Decision(*self._command(observation.index), hold=LONGEST)
+        v, omega, *lateral = self._command(observation.index)
+        return Decision(v, omega, hold=LONGEST, lateral=lateral[0] if lateral else 0.0)

@@ -21,7 +21,7 @@ as `evaluations`, by command looked at: one for every considered robot, and one 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Sized
-from math import asin, copysign, cos, pi, sin
+from math import asin, copysign, cos, pi, sin, sqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -43,6 +43,7 @@ from physim.geometry.walls import (
 )
 from physim.parts.controller import Decisions
 from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Rule
+from physim.parts.drive import clip_pairs
 from physim.world.scene import Scene
 
 from .avoidance import (
@@ -81,6 +82,8 @@ if TYPE_CHECKING:
     from physim.simulation.observation import View
     from physim.world import Robot, World
 
+NOWHERE = np.zeros((0, 6))
+"""`Reaches.each` where all robots follow at once"""
 ARRIVED = 3
 """Number of the mode in `PAPER_MODES`"""
 
@@ -136,6 +139,17 @@ class Memory(NamedTuple):
     """(N, m, 2)"""
     dwell: IntArray
     """number of the dwell time of the plan that comes next; 0: a new plan"""
+
+
+class Reaches(NamedTuple):
+    """What each of N robots can come to, where some do not just follow their commands."""
+
+    counts: bool
+    """whether there are any such"""
+    each: Rows6
+    """(N, 6) see `physim.parts.drive.clip_pairs`; (0, 6) where there are none"""
+    braking: FloatArray
+    """(N,) [m/s²]"""
 
 
 class Room(NamedTuple):
@@ -212,6 +226,7 @@ def decide_one(
     ranking: Ranking,
     room: Room,
     memory: Memory,
+    reach: Reaches,
     out: Answers,
 ) -> int:
     """Decide for Robot i, at a ``station`` [m] of its path, into row k of ``out``.
@@ -230,6 +245,8 @@ def decide_one(
         return 0
     me, pose = row_of(bodies, i), bodies.pose
     nu = own_speed(cluster, ranking, bodies, me)
+    if reach.counts:  # it must come to a stop in time, with half of what it brakes by
+        nu = min(nu, sqrt(reach.braking[i] * (stop_station - station)))
     sight = Sight(cluster.walls, pose[me, 0], pose[me, 1], cluster.reach, room.nearest)
     length, begin = path_length(paths, i), cluster.outside_start
     beyond = min(station + rules.look_ahead, length)
@@ -254,6 +271,8 @@ def decide_one(
             count = put_pairs(room.forward, 1, nu, omegas, turns, room.pairs)
         else:
             count = put_pairs(speeds, many, nu, omegas, turns, room.pairs)
+        if reach.counts:
+            clip_pairs(room.pairs, count, reach.each[i])
         choice = SpeedPairs(room.pairs, count)
         put_best_plan(pose[me], choice, rules.dwell, rules.dwells, aim, plan)  # (5)
     pair = plan[dwell]
@@ -273,6 +292,8 @@ def decide_one(
         interval *= rules.dwell[dwell] / rules.update_period
     else:
         count = put_pairs(speeds, many, nu, omegas, turns, room.pairs)
+        if reach.counts:
+            clip_pairs(room.pairs, count, reach.each[i])
         pairs = SpeedPairs(room.pairs, count)
         if mode == DISTANCE:
             walls_count = boundary < rules.safe_distance
@@ -359,6 +380,7 @@ def decide_due(
     rules: Rules,
     room: Room,
     memory: Memory,
+    reach: Reaches,
     out: Answers,
 ) -> int:
     """Decide for the robots of ``due`` from number ``done`` to ``many`` from what is sensed.
@@ -387,7 +409,8 @@ def decide_due(
             rank(ranking, mine.station, mine.number)
             ranked_from, ranked_to = a, b
         looked_at = decide_one(
-            k, i, seen.station[i], mine, cluster, rules, ranking, room, memory, out
+            k, i, seen.station[i], mine, cluster, rules, ranking, room, memory, reach,
+            out,
         )  # fmt: skip
         start[k + 1] = start[k] + looked_at
         put_in_order(ranking.rows, looked_at)
@@ -403,6 +426,7 @@ class ModeSwitching:
     modes = PAPER_MODES
     rules = RULES
     columns = STANDARD_COLUMNS
+    drives = ("unicycle", "car")
 
     def __init__(self, settings: ModeSwitchingSettings | None = None) -> None:
         self.settings = settings or ModeSwitchingSettings()
@@ -458,9 +482,15 @@ class ModeSwitching:
             np.empty(many, np.int64), np.empty((many, 6)), np.empty(8 * many + rows, np.int64),
             np.zeros(many + 1, np.int64), 8 * many + rows,
         )  # fmt: skip
+        scene, settings = view.scene, self.settings
+        some = bool(scene.drives)
+        ahead = max(settings.update_period, settings.judge_ahead)
+        reach = Reaches(some, view.reach(ahead) if some else NOWHERE, scene.braking)
         done, seen = 0, Observers(s.first, s.end, s.station)
         while True:
-            done = decide_due(due, done, many, bodies, seen, cluster, rules, room, known, out)
+            done = decide_due(
+                due, done, many, bodies, seen, cluster, rules, room, known, reach, out
+            )
             listed = out.considered[: out.considered_start[done]]
             if done == many:
                 return Decisions(due, *out[:5], listed, out.considered_start)

@@ -6,6 +6,7 @@ A baseline to compare with, and an example of a controller written from the obse
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +32,7 @@ class PathFollowing:
         Rule("stop", "stands at its stop station"),
     )
     columns = STANDARD_COLUMNS[:2]
+    drives = ("unicycle", "car")
 
     Settings = PathFollowingSettings
 
@@ -64,7 +66,12 @@ class PathFollowing:
         formation = observation.formation
         nu = formation.speed if formation.active else self.paper.speed
         nu = min(nu, observation.limits[0])
+        missing = observation.stop_station - observation.station
+        nu = min(nu, sqrt(observation.vehicle.braking * missing))
         pairs = speed_pairs(np.array([1.0]), nu, np.array(omegas))
+        period = max(rules.update_period, rules.judge_ahead)
+        for k, (v, omega) in enumerate(pairs.each.tolist()):
+            pairs.each[k] = observation.vehicle.clipped(v, omega, period)
         dwell = np.array([rules.update_period])
         left = observation.path.length - observation.station
         ahead = judging_time(rules.judge_ahead, left, nu)

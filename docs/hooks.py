@@ -23,7 +23,14 @@ from physim.analysis.metrics import DEFINITIONS
 from physim.cli.commands import GROUPS, app_of
 from physim.cli.help import overview, page
 from physim.parts.declarations import STANDARD_COLUMNS
-from physim.parts.registry import CONTROLLER, STAGES, find_part, settings_model, shipped_parts
+from physim.parts.registry import (
+    CONTROLLER,
+    DRIVE,
+    STAGES,
+    find_part,
+    settings_model,
+    shipped_parts,
+)
 from physim.record.layout import TABLE, Attributes, AttributesModel
 from physim.statistics import clopper_pearson
 from physim.world.file.files import shipped_worlds
@@ -58,9 +65,11 @@ def prose(text: str) -> str:
 
 
 def keys(name: str, controller: str = "") -> str:
-    """Table of the keys of a model of `physim.world`, or of the ``settings`` of a controller."""
-    if name == "settings":
-        model = settings_model(find_part(CONTROLLER, controller))
+    """Table of the keys of a model of `physim.world`, or of the ``settings`` of a controller, or of
+    a ``drive``."""
+    if name in ("settings", "drive"):
+        part = find_part(CONTROLLER if name == "settings" else DRIVE, controller)
+        model = settings_model(part)
         assert model is not None
     else:
         model = getattr(physim.world, name)

@@ -9,6 +9,7 @@ from .drawing import plots, video
 from .drawing.page import page
 from .drawing.video import render
 from .errors import ControllerError, Fault, PhysimError, RecordError, WorldError
+from .judging import judge
 from .parts.controller import (
     Controller,
     Decision,
@@ -19,9 +20,11 @@ from .parts.controller import (
     ObservedRobot,
     Sensed,
     Snapshot,
+    Vehicle,
     Wall,
 )
 from .parts.declarations import PAPER_MODES, Column, Mode, Rule
+from .parts.drive import Drive, Most, Reach
 from .parts.stages import (
     Disturbance,
     Filter,
@@ -57,17 +60,20 @@ __all__ = [
     "Decision",
     "Decisions",
     "Disturbance",
+    "Drive",
     "Fault",
     "Filter",
     "FormationView",
     "Kind",
     "Mode",
+    "Most",
     "Neighbour",
     "Observation",
     "ObservedRobot",
     "Observer",
     "Phase",
     "PhysimError",
+    "Reach",
     "Record",
     "RecordError",
     "Rule",
@@ -79,6 +85,7 @@ __all__ = [
     "SimulationState",
     "Snapshot",
     "Step",
+    "Vehicle",
     "View",
     "Wall",
     "World",
@@ -89,6 +96,7 @@ __all__ = [
     "check_world",
     "for_each",
     "geometry",
+    "judge",
     "load_world",
     "metrics",
     "observer_of_row",

@@ -239,7 +239,8 @@ def table_rows(summary: Summary, brief: bool = False) -> Rows:
     """Label and text of each line of the table, for whoever sets it out otherwise."""
     s, run, record = summary, summary.run, summary.run.record
     begun, at = (f"begun at {record.begun:.2f} s, ", "at") if record.begun_at else ("", "after")
-    end = f"{begun}{ENDED.get(record.ended, record.ended)} {at} {s.value('simulated_time'):.2f} s"
+    how = ENDED.get(record.ended, record.ended) if record.judged is None else "the log ends"
+    end = f"{begun}{how} {at} {s.value('simulated_time'):.2f} s"
     factor = record.wall_clock.get("factor")
     computes = s.value("collision_time_evaluations") is not None
     none = "none" if computes else "n/a (the controller computes none)"
@@ -256,22 +257,27 @@ def table_rows(summary: Summary, brief: bool = False) -> Rows:
         ("shortest boundary distance",
          _told(s, "shortest_boundary_distance", 4, more=run.where_nearest_wall)),
         ("shortest collision time",  # `physim validate` has those of all bodies
-         _told(s, "shortest_collision_time", 3, none, "with what it considered")),
+         _told(s, "shortest_collision_time", 3, none, "with what it considered")
+         if record.judged is None else
+         _told(s, "seen_collision_time", 3, "none", "if both go on as seen")),
         ("farthest pair", _told(s, "farthest_distance", 2)),
         ("formation error, peak", _told(s, "formation_error_peak", 2)),
         ("formation error, final", _told(s, "formation_error_final", 2)),
         *_joined(s, "path deviation, peak", ("deviation_peak", "deviation_rms"), ", rms "),
         *_joined(s, "speed averaged over 10 s", ("averaged_speed_min", "averaged_speed_max")),
         *([] if brief else _joined(s, "corridor width", ("width_min", "width_max"))),
-        ("danger mode, share of time", _danger(s, 0 if brief else SHOWN_ROBOTS)),
-        ("decisions", _decisions(s)),
+        *([] if record.judged else [
+            ("danger mode, share of time", _danger(s, 0 if brief else SHOWN_ROBOTS)),
+            ("decisions", _decisions(s)),
+        ]),
         *_commands(s),
         *_arrival(s),
         *((name, _told(s, name)) for name in s.metrics if name not in DEFINITIONS),
         *(("WARNING", fault) for fault in s.metric_faults),
         *_each_controller(s),
         *_expected(s, brief),
-        ("real-time factor", "n/a" if factor is None else f"{factor:.1f}"),
+        *([] if record.judged else
+          [("real-time factor", "n/a" if factor is None else f"{factor:.1f}")]),
         *([] if brief else [("made with", record.setup.made_with or "not known")]),
     ]  # fmt: skip
 
@@ -323,10 +329,8 @@ def _each_contact(summary: Summary, found: Sequence[Episode | Graze]) -> Rows:
         names, where = summary.names_of(one.a, one.b), summary.where(one)
         if isinstance(one, Episode):
             lasts = one.samples * summary.run.record.dt
-            how = (
-                f"{lasts:.2f} s long, {1e3 * one.depth:.1f} mm deep, "
-                f"impact {amount(one.impact, 'N s', 1)}"
-            )
+            how = f"{lasts:.2f} s long, {1e3 * one.depth:.1f} mm deep"
+            how += "" if one.impact is None else f", impact {amount(one.impact, 'N s', 1)}"
         else:
             how = f"{1e3 * one.depth:.3g} mm deep, apart at the samples before and after"
         rows.append((f"  {one.time:.2f} s", f"{' and '.join(names)}{where and f' {where}'}, {how}"))

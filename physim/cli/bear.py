@@ -105,7 +105,9 @@ def bear(
         grid = make_grid(
             [world], seeds, [*set, over.axis], [] if controller is None else [controller]
         )
-    tell(grid.warnings)
+    own = [line for line in grid.warnings if line.startswith(f"--set {over.key}:")]
+    tell(line for line in grid.warnings if line not in own)
+    tell(line.replace(f"--set {over.key}", f"--vary {vary}", 1) for line in own[:1])
     if grid.fixed:
         raise PhysimError(
             f"{stem_of(world)}: nothing is random in it, so that a strength has no rate; {TO_DRAW}"

@@ -19,8 +19,9 @@ from physim.drawing.palette import Colour
 from physim.drawing.scene_model import SceneModel, closed, placed
 from physim.geometry.shapes import FloatArray
 
-DASH = (5.0, 5.0)
-"""Dash and gap of a path in the danger area, over the width of its line."""
+DASH, DOTS = (5.0, 5.0), (2.0, 5.0)
+"""Dash and gap over the width of a line: of a path in the danger area, of the way of a mover."""
+PUSHED = "obstacle to push"
 
 
 class Level(IntEnum):
@@ -34,7 +35,7 @@ class Item(NamedTuple):
 
     what: str
     """as a legend calls it: safe area, danger area, accessible area, obstacle, reference path,
-    path, boundary, stop, robot, heading"""
+    path, way of a mover, boundary, stop, robot, heading, mover, obstacle to push"""
     lines: Sequence[FloatArray]
     """(n, 2) each: lines; rings by the even-odd rule where ``width`` is 0; of stops points (1, 2),
     as many as there are robots in ``robots``"""
@@ -72,6 +73,14 @@ def items(scene: SceneModel) -> list[Item]:
         Item("obstacle", scene.solid_rings, "obstacle", 0.0, Level.SOLID),
         Item("reference path", (scene.reference,), "reference", 2.0, Level.REFERENCE),
         *_paths(scene),
+        Item(
+            "way of a mover",
+            [line for way in scene.ways for line in way],
+            "way",
+            1.5,
+            Level.PATH,
+            DOTS,
+        ),
         Item("obstacle", edges, "wall", 1.0, Level.WALL),
         Item("boundary", scene.boundaries, "wall", 3.0, Level.WALL),
     ]
@@ -86,6 +95,12 @@ def items(scene: SceneModel) -> list[Item]:
             marks = [placed(scene.shapes[i].mark, scene.start[i]) for i in robots]
             found.append(Item("robot", bodies, key, 0.0, Level.ROBOT, robots=robots))
             found.append(Item("heading", marks, "paper", 0.0, Level.ROBOT, robots=robots))
+    if np.isfinite(scene.moved_start).all():
+        for key, what in (("mover", "mover"), ("obstacle", PUSHED)):
+            pairs = zip(scene.moved_starting, scene.moved_keys, strict=True)
+            rings = [ring for ring, kind in pairs if kind == key]
+            found.append(Item(what, rings, key, 0.0, Level.ROBOT))
+            found.append(Item(what, [closed(ring) for ring in rings], "wall", 1.0, Level.ROBOT))
     return [item for item in found if item.lines]
 
 

@@ -28,6 +28,10 @@ SAFE_AREA: Colour = (229, 240, 246)
 WALL: Colour = (38, 42, 48)
 OBSTACLE: Colour = (128, 133, 140)
 REFERENCE: Colour = (120, 126, 134)
+MOVER: Colour = (250, 225, 25)
+"""Movers, whoever they are, and nothing else."""
+WAY: Colour = (154, 142, 33)
+"""Where movers go: their colour, dark enough for a line on the ground."""
 
 CONTACT: Colour = (213, 94, 0)
 """Contacts, swept ones included, and nothing else."""
@@ -67,6 +71,8 @@ KEYS = MappingProxyType(
         "wall": WALL,
         "obstacle": OBSTACLE,
         "reference": REFERENCE,
+        "mover": MOVER,
+        "way": WAY,
         "contact": CONTACT,
         "undecided": UNDECIDED,
         "band": BAND,

@@ -8,6 +8,7 @@ kernels and no simulation, and nothing that changes in a run: where robots go is
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -17,14 +18,17 @@ import numpy as np
 import shapely
 
 from physim.drawing.palette import UNDECIDED, Colour, rgb, robot_colour
+from physim.errors import PhysimError
 from physim.geometry.polygon import convex_parts
-from physim.geometry.shapes import FloatArray, Polylines, Shapes
+from physim.geometry.shapes import FloatArray, Polylines, Shapes, body_parts
+from physim.geometry.timed_paths import timed_paths, timed_poses
 from physim.parts.declarations import NO_NUMBER, Mode
 from physim.world.ground.area import united
 from physim.world.scene import Body
 
 if TYPE_CHECKING:
     from physim.record import Record
+    from physim.world import Mover
     from physim.world.scene import Layout
 
 SEAM = 1e-6
@@ -32,6 +36,8 @@ SEAM = 1e-6
 HAIR = 1e-6
 """Share of L by which a path may miss the safe area and still count as in it: paths that run along
 its very edge."""
+LOOK = 0.05
+"""[rad] between two places of the way of a mover that turns"""
 FAR = 0.2
 """Distance of the reference point from the centroid, over the reach, from which it is shown."""
 
@@ -50,16 +56,24 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class SceneModel:
-    """N robots and all that does not move; lengths [m], angles [rad], world frame unless said."""
+    """N robots, what moves beside them, and what does not; lengths [m], angles [rad], world frame
+    unless said."""
 
     name: str
     seed: int
     bodies: tuple[Body, ...]
-    """robots by index, then boundaries, then obstacles"""
+    """robots by index, movers, obstacles that can be pushed, then boundaries, then obstacles"""
     footprints: tuple[tuple[FloatArray, ...], ...]
     """convex parts (n, 2) of each robot, in its frame"""
     start: FloatArray
     """(N, 3) poses at sample 0; NaN in a record without samples"""
+    moved: tuple[tuple[FloatArray, ...], ...]
+    """convex parts of each mover, and of each obstacle that can be pushed, in its frame"""
+    moved_start: FloatArray
+    """(M, 3) poses of these M bodies at sample 0, as of ``start``"""
+    ways: tuple[tuple[FloatArray, ...], ...]
+    """lines (n, 2) of each mover: where its reference point goes; of one that turns at one place
+    its outlines at the waypoints"""
     boundaries: tuple[FloatArray, ...]
     """polylines (n, 2)"""
     obstacles: tuple[FloatArray, ...]
@@ -86,8 +100,9 @@ class SceneModel:
         """Model of a world before its run; no kernel is called."""
         world, drawn = layout.world, layout.boundaries
         names = [("robot", robot.name) for robot in layout.robots]
+        names += [(one.kind, one.name) for one in layout.moved]
         names += [("boundary", name) for name in drawn]
-        names += [("obstacle", f"obstacle {k + 1}") for k in range(len(layout.obstacles))]
+        names += [("obstacle", f"obstacle {k + 1}") for k in layout.standing]
         area = layout.area
         return cls(
             name=world.name,
@@ -95,6 +110,9 @@ class SceneModel:
             bodies=tuple(Body(k, *one) for k, one in enumerate(names)),
             footprints=tuple(convex_parts(outline) for outline in layout.footprints),
             start=layout.start,
+            moved=tuple(convex_parts(one.outline) for one in layout.moved),
+            moved_start=np.array([one.start for one in layout.moved]).reshape(-1, 3),
+            ways=tuple(map(_way, world.movers)),
             boundaries=tuple(drawn.values()),
             obstacles=tuple(layout.obstacles),
             paths=tuple(layout.paths),
@@ -109,13 +127,22 @@ class SceneModel:
     @classmethod
     def of_record(cls, record: Record) -> SceneModel:
         """Model of the scene in a record."""
-        nowhere = np.full((record.robots, 3), np.nan)
+        nowhere = np.full((record.moving, 3), np.nan)
+        start = record.moving_pose[0] if record.samples else nowhere
+        beside = range(record.robots, record.moving)
+        movers: tuple[Mover, ...] = ()
+        if any(record.bodies[body].kind == "mover" for body in beside):
+            with suppress(PhysimError):  # the world inside is faulty: it shows none
+                movers = record.world.movers
         return cls(
             name=record.name,
             seed=record.seed,
             bodies=record.bodies,
             footprints=record.footprints,
-            start=record.pose[0] if record.samples else nowhere,
+            start=start[: record.robots],
+            moved=tuple(tuple(body_parts(record.shapes, body)) for body in beside),
+            moved_start=start[record.robots :],
+            ways=tuple(map(_way, movers)),
             **_walls(record.bodies[record.moving :], record.walls),
             paths=_lines(record.paths),
             reference=_lines(record.reference)[0],
@@ -135,6 +162,11 @@ class SceneModel:
     def names(self) -> tuple[str, ...]:
         """Names of the N robots."""
         return tuple(body.name for body in self.bodies[: self.robots])
+
+    @property
+    def mover_names(self) -> tuple[str, ...]:
+        """Names of the movers, the first of the M bodies that move beside the robots."""
+        return tuple(body.name for body in self.bodies if body.kind == "mover")
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -180,6 +212,22 @@ class SceneModel:
         pieces = {key: split_at(path, nearly) for key, path in each.items()}
         return tuple(pieces[path.tobytes()] for path in self.paths)
 
+    @cached_property
+    def moved_shapes(self) -> tuple[Shape, ...]:
+        """Shapes of the M bodies that move beside the robots."""
+        return tuple(map(shape, self.moved))
+
+    @property
+    def moved_keys(self) -> tuple[str, ...]:
+        """Names of their colours in `physim.drawing.palette.KEYS`: mover or obstacle."""
+        return tuple(one.kind for one in self.bodies[self.robots :][: len(self.moved)])
+
+    @cached_property
+    def moved_starting(self) -> tuple[FloatArray, ...]:
+        """Their outlines (n, 2) at the start; NaN where it is not known."""
+        pairs = zip(self.moved_shapes, self.moved_start, strict=True)
+        return tuple(placed(one.rings[0], pose) for one, pose in pairs)
+
     @property
     def stops(self) -> FloatArray:
         """(N, 2) places of the stop stations."""
@@ -196,7 +244,8 @@ class SceneModel:
     def extent(self) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest x, y of all lines and of the robots at the start."""
         lines = [*self.boundaries, *self.obstacles, *self.paths, self.reference, *self.accessible]
-        points = np.concatenate((*lines, *self.starting))
+        lines += [line for way in self.ways for line in way]
+        points = np.concatenate((*lines, *self.starting, *self.moved_starting))
         return np.nanmin(points, axis=0), np.nanmax(points, axis=0)
 
 
@@ -261,6 +310,20 @@ def pieces_of(lines: Iterable[FloatArray]) -> FloatArray:
 def closed(ring: FloatArray) -> FloatArray:
     """Ring (n, 2) as a line (n + 1, 2) that ends where it begins."""
     return np.concatenate((ring, ring[:1]))
+
+
+def _way(mover: Mover) -> tuple[FloatArray, ...]:
+    """Lines of `SceneModel.ways` of one mover."""
+    poses, times = np.array(mover.poses), mover.moments
+    if not np.ptp(poses[:, :2], axis=0).any():
+        ring = np.array(mover.outline)
+        return tuple(closed(placed(ring, pose)) for pose in np.unique(poses, axis=0))
+    paths = timed_paths([poses], [times], ["once"])
+    looks = [
+        np.linspace(*ends, 2 + int(abs(turn) / LOOK))
+        for ends, turn in zip(pairwise(times), np.diff(poses[:, 2]).tolist(), strict=True)
+    ]
+    return (np.concatenate([timed_poses(paths, t)[:, :2] for t in np.concatenate(looks).tolist()]),)
 
 
 def _polygon(corners: FloatArray) -> shapely.Geometry:

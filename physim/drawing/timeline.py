@@ -17,7 +17,7 @@ from physim.drawing.drivers import MOST_MODES, drivers_of, marks_of
 from physim.drawing.palette import BAND, INK, Colour
 from physim.drawing.scene_model import SceneModel
 from physim.errors import RecordError
-from physim.geometry.clearance import ClearanceFinder
+from physim.geometry.clearance import ClearanceFinder, Clearances
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.geometry.walls import build_wall_tree
 from physim.parts.declarations import NO_NUMBER
@@ -52,6 +52,8 @@ class Moment(NamedTuple):
     """of these modes; where no robot ever has one, the robots' own"""
     targets: FloatArray
     """(N, 2) [m], NaN where there is none"""
+    moving_pose: FloatArray
+    """(B, 3) of all that moves, robots first"""
 
 
 class Curves(NamedTuple):
@@ -100,7 +102,7 @@ class Timeline:
             )
         self.record = record
         self.scene = SceneModel.of_record(record)
-        self.robots = len(record.names)
+        self.robots, self.moving = len(record.names), record.moving
         self.drivers = drivers_of(record)
         """those of `drivers_of`"""
         self.marks = marks_of(self.drivers, self.robots)
@@ -128,8 +130,9 @@ class Timeline:
         """Whether any decision has a target."""
         self._arrived = np.where(record.arrived >= 0, record.arrived * record.dt, np.inf)
         self.contacts = episodes(record)
-        self.modeless = len(self._rows) > 1 and bool((self._mode == NO_NUMBER).all())
-        """Whether there are decisions, and none gave a mode."""
+        is_told = len(self._rows) > 1 or record.judged is not None
+        self.modeless = is_told and bool((self._mode == NO_NUMBER).all())
+        """Whether there are decisions, and none gave a mode; of a log that was judged none can."""
         most = np.full(self.robots, NO_NUMBER)
         np.maximum.at(most, robot, record.updates["mode"])
         silent = (most == NO_NUMBER) & (np.bincount(robot, minlength=self.robots) > 0)
@@ -148,8 +151,14 @@ class Timeline:
             alike = self.robots > NAMED
             each = [BAND] * self.robots if alike else self.scene.colours
             colours = np.array(each, np.uint8)
-        pose = np.asarray(self.record.pose[sample], dtype=np.float64)
-        return Moment(time, sample, pose, rows, modes, colours, self._targets[rows])
+        every = np.asarray(self._moving_pose[sample], dtype=np.float64)
+        pose, targets = every[: self.robots], self._targets[rows]
+        return Moment(time, sample, pose, rows, modes, colours, targets, every)
+
+    @property
+    def _moving_pose(self) -> FloatArray:
+        is_alone = self.moving == self.robots
+        return self.record.pose if is_alone else self.record.moving_pose
 
     def sample(self, time: Any) -> Any:
         """Return the index of the sample nearest to ``time`` (of two, the earlier)."""
@@ -206,7 +215,7 @@ class Timeline:
         return Curves(title, "deviation", self.record.course[:, :, 1], *lines)
 
     def distances_at(self, samples: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Return the distances (M, N) [m] to robots and to walls at M samples, given by index.
+        """Return the distances (M, N) [m] to what moves and to walls at M samples, by index.
 
         Negative: depth. A record of every step has them. Those of one with fewer samples are the
         least since the sample before, which is another moment: they are worked out from the poses.
@@ -214,27 +223,39 @@ class Timeline:
         record = self.record
         if record.record_every == 1:
             return record.clearance[samples], record.boundary_clearance[samples]
-        block = max(1, MOST_POSES // self.robots)
-        found = [
-            self._finder.find(record.pose[samples[first : first + block]])
-            for first in range(0, len(samples), block)
-        ]
+        found = self._found(samples)
         return (
             np.concatenate([one.clearance for one in found]),
             np.concatenate([one.boundary_clearance for one in found]),
         )
 
+    def closest_at(self, samples: IntArray) -> IntArray:
+        """Return the closest two bodies (M, 2) at M samples, a robot first, given by index."""
+        found = self._found(samples)
+        clearance = np.concatenate([one.clearance for one in found])
+        other = np.concatenate([one.other for one in found])
+        robot = clearance.argmin(axis=1)
+        return np.column_stack((robot, other[np.arange(len(robot)), robot]))
+
+    def _found(self, samples: IntArray) -> list[Clearances]:
+        """Clearances at samples, block by block."""
+        block, pose = max(1, MOST_POSES // self.moving), self._moving_pose
+        return [
+            self._finder.find(pose[samples[first : first + block]])
+            for first in range(0, len(samples), block)
+        ]
+
     @cached_property
     def _finder(self) -> ClearanceFinder:
-        walls = self.record.walls
-        return ClearanceFinder(self.record.shapes, build_wall_tree(walls))
+        walls = build_wall_tree(self.record.walls)
+        return ClearanceFinder(self.record.shapes, walls, self.robots)
 
     @cached_property
     def distances(self) -> Curves:
-        """The least distances of all robots to robots and to walls; those there are of the two."""
-        record = self.record
+        """The least distances of all robots to what moves, and to walls, where there are any."""
+        record, is_alone = self.record, self.moving == self.robots
         least = {
-            "robots": (record.clearance.min(axis=1), INK),
+            "robots" if is_alone else "others": (record.clearance.min(axis=1), INK),
             "walls": (record.boundary_clearance.min(axis=1), BAND),
         }
         names = [name for name, (line, _) in least.items() if np.isfinite(line).any()]
@@ -300,11 +321,11 @@ class Episodes:
         after = np.searchsorted(self.times[first + 1 : last + 1], time + 1e-9, side="right")
         return np.asarray(self.places[first + int(after)])
 
-    def touching(self, time: float, robots: int) -> NDArray[np.bool_]:
-        """Return for each robot (N,) whether it touches anything at ``time``."""
+    def touching(self, time: float, bodies: int) -> NDArray[np.bool_]:
+        """Return for each of the first ``bodies`` whether it touches anything at ``time``."""
         now = self.bodies[self.present(time)]
-        result = np.zeros(robots, dtype=bool)
-        result[now[now < robots]] = True
+        result = np.zeros(bodies, dtype=bool)
+        result[now[now < bodies]] = True
         return result
 
 

@@ -17,17 +17,18 @@ is whatever the last decision returned, at first what a method ``start(scene)`` 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.errors import nearest
+from physim.errors import ControllerError, nearest
 from physim.escaping import escaped
-from physim.geometry.shapes import FloatArray, IntArray, Rows2
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.declarations import NO_NUMBER, Column, Mode, Rule
+from physim.parts.drive import NO_DRIVES, Reach, clip_pairs
 
 if TYPE_CHECKING:
     from physim.errors import Fault
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from physim.world import Robot
 
 
-LATER = frozenset(("footprint", "path", "neighbours", "others", "walls"))
+LATER = frozenset(("footprint", "path", "neighbours", "others", "walls", "vehicle"))
 """Fields of an `Observation` that are made when they are asked for."""
 FASTEST = 1.0e4
 """[m/s, rad/s] No command is beyond, whatever disturbances make of it; limits end at 1000."""
@@ -67,6 +68,8 @@ class ObservedRobot:
     kind: Literal["robot", "mover", "obstacle"] = "robot"
     """``mover``: it follows a timed path and never gives way; ``obstacle``: it can be pushed; both
     have no command, and the station of the nearest point of the reference path"""
+    lateral: float = 0.0
+    """held command [m/s], left positive; of an omnidirectional robot"""
 
 
 @dataclass(frozen=True)
@@ -150,10 +153,14 @@ class Observation:
     """[s] physics step; a command holds for at least one"""
     formation: FormationView
     """settings of the formation that all its robots know"""
+    vehicle: Vehicle
+    """what its drive does: steering, speeds, and what it can come to"""
     speeds: tuple[float, ...] | None = None
     """forward speeds set for this robot in the world, multiples of nu; None: the controller's"""
     omegas: tuple[float, ...] | None = None
     """rotational speeds set for this robot in the world [rad/s]; None: the controller's"""
+    lateral: float = 0.0
+    """held command before this decision [m/s], left positive; of an omnidirectional robot"""
 
     @classmethod
     def partly(cls, values: dict[str, Any], view: View) -> Observation:
@@ -204,8 +211,8 @@ class FormationView:
 class Decision:
     """A command and how long it holds.
 
-    A command that is not finite, or beyond the robot's limits, stops the run. Mode, rule,
-    considered robots and report go to the record.
+    A command that is not finite, or beyond what the robot's limits and drive allow, stops the run.
+    Mode, rule, considered robots and report go to the record.
     """
 
     v: float
@@ -225,6 +232,8 @@ class Decision:
     """indices of the robots and other bodies that the decision took into account"""
     report: Mapping[str, float] = field(default_factory=dict)
     """numbers by the names of the declared columns"""
+    lateral: float = 0.0
+    """[m/s] to the left; of an omnidirectional robot"""
 
 
 @runtime_checkable
@@ -281,6 +290,49 @@ class ChecksRobots(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class Vehicle:
+    """A robot as its drive moves it: what it does, and what it can come to."""
+
+    drive: str
+    """name of the drive: unicycle, car, omni or another's"""
+    v: float
+    """[m/s] of the last step; the command that it holds may be another"""
+    omega: float
+    """[rad/s]"""
+    lateral: float
+    """[m/s] left positive"""
+    steering: float
+    """[rad] of its steered wheels, left positive; 0 of a robot without any"""
+    braking: float
+    """[m/s²] by which it can slow down; inf of one that stops at once"""
+    _reach: Callable[[float], tuple[float, ...]] = field(repr=False, compare=False)
+
+    def reachable(self, time: float) -> Reach:
+        """Least and greatest v, omega and curvature to which it can come within a time [s]."""
+        a, b, c, d, e, f = self._reach(time)
+        return Reach((a, b), (c, d), (e, f))
+
+    def clipped(self, v: float, omega: float, time: float) -> tuple[float, float]:
+        """(v, omega) or, where it cannot come to that within a time [s], the nearest that it can.
+
+        Of a car the curvature omega / v counts more than omega: it keeps to the way, slower.
+        """
+        pair = np.array([[v, omega]])
+        clip_pairs(pair, 1, np.array(self._reach(time)))
+        return float(pair[0, 0]), float(pair[0, 1])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies know what can be reached at once, and no more."""
+        plain = (self.drive, self.v, self.omega, self.lateral, self.steering, self.braking)
+        return Vehicle, (*plain, _no_reach)
+
+
+def _no_reach(time: float) -> tuple[float, ...]:
+    """Stand-in of a copy. Raises ControllerError."""
+    raise ControllerError("a copy of an observation does not know what its robot can reach")
+
+
 class Snapshot(NamedTuple):
     """All that moves at one sample, as it is. Arrays never change once they are handed out.
 
@@ -293,7 +345,8 @@ class Snapshot(NamedTuple):
     pose: FloatArray
     """(N, 3) x, y [m], heading [rad], world frame"""
     command: FloatArray
-    """(N, 2) nominal commands held before this step"""
+    """(N, columns) nominal commands held before this step: v [m/s], omega [rad/s] and, in worlds
+    with an omnidirectional robot, lateral [m/s]"""
     velocity: FloatArray
     """(N, 3) what the bodies did over the last step: vx, vy [m/s], omega [rad/s], world frame; 0 at
     the start"""
@@ -311,6 +364,9 @@ class Snapshot(NamedTuple):
     """(B, 2) as ``command``, 0 of what is no robot"""
     moving_station: FloatArray
     """(B,) [m] as ``reference_station``, of what is no robot that of the nearest point of s*"""
+    drive: FloatArray = NO_DRIVES
+    """(N, 4) what each robot's drive does: v [m/s], omega [rad/s], lateral [m/s], steering [rad];
+    (0, 4) in worlds without drives"""
 
 
 class Sensed(NamedTuple):
@@ -334,7 +390,7 @@ class Sensed(NamedTuple):
     pose: FloatArray
     """(M, 3) x, y [m], heading [rad], world frame"""
     command: FloatArray
-    """(M, 2) v [m/s], omega [rad/s]: nominal command held before this step"""
+    """(M, columns) nominal command held before this step, as in `Snapshot`"""
     velocity: FloatArray
     """(M, 3) real motion over the last step: vx, vy [m/s], omega [rad/s], world frame"""
     reference_station: FloatArray
@@ -350,6 +406,8 @@ class Sensed(NamedTuple):
     heard: FloatArray
     """(M,) [s] how old command and reference station are; inf: nothing was told, and both are
     estimated from pose and velocity"""
+    drive: FloatArray = NO_DRIVES
+    """(N, 4) what the drive of each observer does, which it alone may know; as in `Snapshot`"""
 
     def rows(self, i: int) -> slice:
         """Rows of observer i."""
@@ -361,8 +419,8 @@ class Decisions(NamedTuple):
 
     robot: IntArray
     """(M,) which robots"""
-    command: Rows2
-    """(M, 2) nominal v [m/s], omega [rad/s]"""
+    command: FloatArray
+    """(M, 2 or columns) nominal v [m/s], omega [rad/s], lateral [m/s]; 0 where that is left out"""
     hold: FloatArray
     """(M,) [s]"""
     mode: IntArray

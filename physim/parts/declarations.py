@@ -24,7 +24,7 @@ RESERVED = frozenset(
     (
         "step", "robot", "mode", "rule", "nominal_v", "nominal_omega", "applied_v",
         "applied_omega", "station", "reference_station", "formation_error", "deviation",
-        "considered", "next_step",
+        "considered", "next_step", "nominal_lateral", "applied_lateral",
     )
 )  # fmt: skip
 """Columns that the record writes itself."""

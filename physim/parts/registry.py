@@ -81,6 +81,10 @@ OBSERVER = Kind(
     "observer", "physim.observers", ("start(simulation)", "after_step(step)", "close(ended)"), (),
     "--observer",
 )  # fmt: skip
+DRIVE = Kind(
+    "drive", "physim.drives",
+    ("most(v, omega)", "follow(command, state, dt)", "reach(state, time)"), ("drive",), "",
+)  # fmt: skip
 METRIC = Kind("metric", "physim.metrics", ("measure(record)",), (), "")
 PLOT = Kind("plot", "physim.plots", ("draw(record)",), (), "")
 STAGES = (SENSING, FILTER, DISTURBANCE)

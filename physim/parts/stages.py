@@ -1,6 +1,6 @@
 """The stages of a step: sense, filter, disturb, and observers that look on.
 
-    sense → decide → filter → disturb → move → report
+    sense → decide → filter → drive → disturb → move → report
 
 Every stage is a list of parts found by name (an entry point and a key of the world) or given from
 Python. A part is an object with frozen settings; what it remembers is an explicit state, any value
@@ -21,6 +21,7 @@ from physim.compiled import compiled
 from physim.geometry.path import SHORTEST_WINDOW, track
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows3, read_only
 from physim.parts.controller import Decisions, Sensed, Snapshot
+from physim.parts.drive import NO_DRIVES
 from physim.world.scene import Scene
 
 if TYPE_CHECKING:
@@ -63,13 +64,13 @@ class Filter(Protocol):
     def filter(
         self, scene: Scene, sensed: Sensed, nominal: FloatArray, state: Any
     ) -> tuple[FloatArray, Any]:
-        """Filtered commands (N, 2) for nominal ones (N, 2), which must not be written to."""
+        """Filtered commands (N, columns) for nominal ones, which must not be written to."""
         ...
 
 
 @runtime_checkable
 class Disturbance(Protocol):
-    """Makes robots depart from their commands: gains, slip, pushes."""
+    """Makes robots depart from what their drives make of commands: gains, slip, pushes."""
 
     def start(self, scene: Scene) -> Any:
         """State at sample 0."""
@@ -78,7 +79,7 @@ class Disturbance(Protocol):
     def disturb(
         self, scene: Scene, truth: Snapshot, filtered: FloatArray, state: Any
     ) -> tuple[FloatArray, Any]:
-        """Applied commands (N, 2) for filtered ones (N, 2), which must not be written to.
+        """Applied commands (N, columns) for those of the drives, which must not be written to.
 
         They must be finite; the robots' limits bind controllers and filters only.
         """
@@ -97,11 +98,11 @@ class Step(NamedTuple):
     next_step: IntArray
     """(M,) when each of them decides again"""
     nominal: FloatArray
-    """(N, 2) [m/s, rad/s] as controllers want it"""
+    """(N, columns) [m/s, rad/s, m/s] as controllers want it"""
     filtered: FloatArray
-    """(N, 2) after the filters"""
+    """(N, columns) after the filters"""
     applied: FloatArray
-    """(N, 2) after the disturbances: what the bodies are driven by"""
+    """(N, columns) after drives and disturbances: what the bodies are driven by"""
     pose: FloatArray
     """(N, 3) of robots at the sample after the step, as contacts allow"""
     contacts: NDArray[np.void]
@@ -112,6 +113,8 @@ class Step(NamedTuple):
     """(N,) which robots have arrived at that sample"""
     moving_pose: FloatArray
     """(B, 3) of all that moves at that sample, robots first"""
+    drive: FloatArray = NO_DRIVES
+    """(N, 4) what drives did in the step, as in `Snapshot`"""
 
 
 @runtime_checkable
@@ -140,7 +143,7 @@ def everybody(truth: Snapshot, rows: Shared) -> Sensed:
     robot, first, end, age, heard = rows
     return Sensed(
         truth.step, robot, truth.moving_pose, truth.moving_command, truth.moving_velocity,
-        truth.moving_station, age, first, end, truth.station, heard,
+        truth.moving_station, age, first, end, truth.station, heard, truth.drive,
     )  # fmt: skip
 
 
@@ -162,7 +165,7 @@ def nothing(truth: Snapshot) -> Sensed:
     first = np.zeros(len(truth.station), np.int64)
     return Sensed(
         truth.step, no, truth.pose[:0], truth.command[:0], truth.velocity[:0], none, none, first,
-        first, truth.station, none,
+        first, truth.station, none, truth.drive,
     )  # fmt: skip
 
 
@@ -188,7 +191,7 @@ def usable_rows(sensed: Sensed, limits: Usable) -> Sensed:
     return Sensed(
         sensed.step, sensed.robot[kept], pose[:count], sensed.command[kept], velocity[:count],
         sensed.reference_station[kept], sensed.age[kept], first, end, sensed.station.copy(),
-        sensed.heard[kept],
+        sensed.heard[kept], sensed.drive,
     )  # fmt: skip
 
 

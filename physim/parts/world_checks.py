@@ -15,7 +15,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from physim.errors import ControllerError, Fault, Location
+from physim.parts.drive import ANY, PLAIN
 from physim.parts.user_code import kind_of, naming
+from physim.world.faults import describe
 from physim.world.group import each_robot
 from physim.world.kinds import FrozenMapping
 from physim.world.run import ControllerChoice
@@ -65,10 +67,36 @@ def robot_faults(
     return _placed(found, entries, ("controller",) if driver is None else driver.where)
 
 
+def drive_faults(controller: object, world: World, driver: Driver) -> list[Fault]:
+    """What drives of its robots a controller, or its class, does not say that it can drive.
+
+    It says it by ``drives``, names of drives or `ANY`; without it those are `PLAIN` alone. Raises
+    `ControllerError` where that is no tuple or list of names.
+    """
+    can = getattr(controller, "drives", (PLAIN,))
+    name = (controller if isinstance(controller, type) else type(controller)).__name__
+    if not isinstance(can, tuple | list) or not all(isinstance(one, str) for one in can):
+        raise ControllerError(f'drives of {name} is {kind_of(can)}; write drives = ("{PLAIN}",)')
+    if ANY in can:
+        return []
+    found = ((e, world.robots[e].drive) for e in driver.entries)
+    return [
+        Fault(
+            ("robots", e, "drive"),
+            f"{describe(one.type)} is no drive for {describe(driver.type)}, which drives "
+            f"{', '.join(can) or 'none'}; give these robots another controller, or, of your own, "
+            f'add "{one.type}" to the drives of {name}',
+        )
+        for e, one in found
+        if one is not None and one.type not in can
+    ]
+
+
 def driver_faults(controller: object, world: World, driver: Driver) -> list[Fault]:
     """What a controller says against the robots that it drives, and then against the world."""
     robots, entries = each_robot(world.robots, world.seed)
-    found = robot_faults(controller, robots, entries, driver)
+    found = drive_faults(controller, world, driver)
+    found = found or robot_faults(controller, robots, entries, driver)
     return found or said_of_driven(controller, "world_faults", world, driver)
 
 

@@ -116,9 +116,20 @@ def check_datasets(
     with reading(where, "a dataset"):
         file.visit(there.add)  # no links, which may lead to other files
         for path, one in table.items():
+            if not one.needed and path[1:] not in there:
+                continue
             found = file[path] if path[1:] in there else None
             if fault := _fault(found, one, types.get(path, one.dtype).base, sizes):
                 raise RecordError(f"{where}: dataset {path} {fault}; {AGAIN}")
+
+
+def has_column(file: h5py.File, path: str, name: str) -> bool:
+    """Whether a dataset is in the file, which no link is, and has a column of that name."""
+    if not isinstance(file.get(path, getlink=True), h5py.HardLink):
+        return False
+    with reading(path, name):
+        found = file[path]
+        return isinstance(found, h5py.Dataset) and name in (found.dtype.names or ())
 
 
 def _fault(found: object, of: Dataset[Any], dtype: np.dtype[Any], sizes: Mapping[str, int]) -> str:

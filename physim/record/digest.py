@@ -62,12 +62,15 @@ def texts(bodies: tuple[Body, ...], declared: Declared) -> dict[str, NDArray[Any
 def digest_of(record: Record, attributes: Mapping[str, Any]) -> str:
     """SHA-256 (hexadecimal), block by block, so that memory stays flat."""
     total = hashlib.sha256()
-    for name, value in (*HEAD.items(), *((name, attributes[name]) for name in DIGESTED)):
+    named = (*DIGESTED, *(["judged"] if record.judged else []))
+    for name, value in (*HEAD.items(), *((name, attributes[name]) for name in named)):
         total.update(f"{name}={value!r}\n".encode())
     told = texts(record.bodies, record.declared)
     held = layout.held(record.tables)
     for path in (path for path in PARTS if path in KNOWN or path in held):
-        samples = path in layout.STEPS
+        if path in held and not record.holds(path):
+            continue
+        samples = path in (*layout.STEPS, layout.Layout.steering.path)
         last = 0 if samples else None
         rows = told[path] if path in told else record.read(path, 0, last, check=False)
         shape = (record.samples, *rows.shape[1:]) if samples else rows.shape

@@ -58,6 +58,7 @@ def _steps(record: Record) -> dict[str, Any]:
         "heading": heading,
         "clearance": record.clearance.ravel(),
         "boundary_clearance": record.boundary_clearance.ravel(),
+        **({"steering": record.steering.ravel()} if record.holds("/steps/steering") else {}),
     }
 
 

@@ -118,6 +118,20 @@ OPTIONAL = tuple(name for name in get_args(TableName) if name != SENSED)
 """Tables that a run may leave out; the commands and the samples are always there."""
 
 
+@dataclass(frozen=True)
+class Judged:
+    """Where the poses of a record came from that no run made: the log that was judged."""
+
+    source: str
+    """name of the log"""
+    sha256: str
+    """of the log"""
+    begun: float
+    """[s] time of the log at step 0"""
+    notes: tuple[str, ...]
+    """what was done to the log, a sentence each"""
+
+
 class Attributes:
     """Root attributes of the file, as properties of `Record`: type, bounds, and what each means.
 
@@ -180,6 +194,12 @@ class Attributes:
     versions: Annotated[
         Json[dict[str, str]], "JSON object: versions of physim and its libraries, and the processor"
     ]
+    judged: Annotated[
+        Json[Judged] | None,
+        Field(default=None),
+        "of a log that was judged alone, JSON object: which, and what was done to it; commands, "
+        "decisions, modes and impulses are not known then",
+    ]
 
 
 _HINTS = get_type_hints(Attributes, include_extras=True)
@@ -232,7 +252,8 @@ class Dataset(Property[T]):
     ``row`` are the columns of its rows, or their type; of a plain type ``least`` and ``most``
     bound the values. ``shape`` names its sizes: N robots, B bodies that move, W boundaries and
     obstacles that stand, K samples, M rows; others are free. ``starts`` is the path of packed items
-    whose runs begin where it says, each of ``fewest`` items or more.
+    whose runs begin where it says, each of ``fewest`` items or more. One that is not ``needed`` is
+    in records of some worlds only.
     """
 
     def __init__(
@@ -247,10 +268,11 @@ class Dataset(Property[T]):
         *,
         starts: str = "",
         fewest: int = 1,
+        needed: bool = True,
     ) -> None:
         self.path, self.shape, self.words, self.unit = path, tuple(shape.split()), words, unit
         self.fields = row if isinstance(row, tuple) else (Column("", row, unit, "", least, most),)
-        self.starts, self.fewest = starts, fewest
+        self.starts, self.fewest, self.needed = starts, fewest, needed
         self.__doc__ = f"({', '.join(self.shape)}) {f'[{unit}] ' if unit else ''}{words}"
 
     @property
@@ -326,6 +348,9 @@ def _polylines(points: FloatArray, start: IntArray) -> Polylines:
 COMMAND_STAGES = ("nominal", "filtered", "applied")
 """Of a command: as it was decided, after the filters, after the disturbances."""
 _UNITS = {"v": "m/s", "omega": "rad/s"}
+SIDEWAYS = "lateral"
+"""Part of a command, left positive [m/s], that it has in worlds with an omnidirectional robot"""
+PARTS = ("v", "omega", SIDEWAYS)
 _STEP = Column("step", "<i8", "", "physics step", 0, "steps")
 _ROBOT = Column("robot", "<i4", "", "which robot", 0, "robots")
 _PAIR = (
@@ -460,9 +485,10 @@ class Layout(Attributes):
         (
             _STEP, Column("observer", "<i4", "", "robot that decided", 0, "robots"),
             Column("body", "<i4", "", "body that it sensed, itself too", 0, "bodies"),
-            *(Column(one, "<f8", unit, "as sensed", -FAR, FAR) for one, unit in _MOTION.items()),
-            Column("reference_station", "<f8", "m", "along the reference path, as sensed"),
-            Column("age", "<f8", "s", "how old this is", 0.0, FAR),
+            *(Column(one, "<f8", unit, "as sensed, NaN unseen") for one, unit in _MOTION.items()),
+            Column("age", "<f8", "s", "how old all these are", 0.0),
+            Column("reference_station", "<f8", "m", "along the reference path, as told"),
+            Column("heard", "<f8", "s", "how old that is; inf: not told, but estimated", 0.0),
         ),
         "what each robot that decided sensed of bodies within range and knew of formation "
         "neighbours; only where it was asked for (physim run --keep-sensed)",
@@ -486,6 +512,11 @@ class Layout(Attributes):
         "to the nearest other body that moves, negative = depth, inf alone; of a coarse record the "
         "least since the sample before", "m", -FAR, np.inf,
     )  # fmt: skip
+    steering = Dataset[FloatArray](
+        "/steps/steering", "K N", "<f8",
+        "angle of the steered wheels in the step before, left positive, 0 of robots without; only "
+        "of worlds with such robots", "rad", -FAR, FAR, needed=False,
+    )  # fmt: skip
     boundary_clearance = Dataset[FloatArray](
         "/steps/boundary_clearance", "K N", "<f8",
         "to the nearest boundary or obstacle, negative = depth, inf without; of a coarse record "
@@ -502,12 +533,12 @@ TABLE: dict[str, Dataset[Any]] = {
     for one in (made.datasets if isinstance(made, Packed) else (made,))
     if isinstance(one, Dataset)
 }
-"""Every dataset of a record, by its path; `SENSED` may be absent."""
+"""Every dataset of a record, by its path; `SENSED`, and those not needed, may be absent."""
 EXTREMES, EXTREMES_FARTHEST = Layout.extremes.path, Layout.farthest.path
 ARRIVED, OTHERS = Layout.arrived.path, Layout.others.path
 TABLES = tuple(path for path, one in TABLE.items() if one.shape == ("M",) and one.fields[0].name)
 """Growing tables, in the order of steps."""
-STEPS = tuple(path for path, one in TABLE.items() if one.shape[:1] == ("K",))
+STEPS = tuple(path for path, one in TABLE.items() if one.shape[:1] == ("K",) and one.needed)
 """Growing datasets with one row a recorded sample; they come last in the file, see `crash_safe`."""
 
 COMMAND, CONSIDERING = Layout.commands.dtype, Layout.considering.dtype
@@ -516,10 +547,20 @@ CONSIDERED = np.dtype([("step", "<i8"), ("robot", "<i4"), ("other", "<i4")])
 """A robot that was considered in the decision of another, as `Record.considered` gives it."""
 
 
-def update_type(columns: Sequence[str]) -> np.dtype[np.void]:
+def update_type(columns: Sequence[str], sideways: bool = False) -> np.dtype[np.void]:
     """Row of the table of decisions, with the columns that the controller declares."""
-    fields = [(field.name, field.kind) for field in DECISION]
-    return np.dtype([*fields, *((name, "<f8") for name in columns)])
+    return np.dtype([*_widened(DECISION, sideways), *((name, "<f8") for name in columns)])
+
+
+def _widened(columns: Sequence[Column], sideways: bool) -> list[tuple[str, str]]:
+    """Names and kinds of columns, with the lateral speed of a command behind its omega."""
+    found = []
+    for column in columns:
+        found.append((column.name, column.kind))
+        stage, _, part = column.name.rpartition("_")
+        if sideways and part == "omega":
+            found.append((f"{stage}_{SIDEWAYS}", column.kind))
+    return found
 
 
 def held(tables: Sequence[str]) -> dict[str, Dataset[Any]]:
@@ -527,15 +568,21 @@ def held(tables: Sequence[str]) -> dict[str, Dataset[Any]]:
     return {path: one for path, one in TABLE.items() if path[1:] != SENSED or SENSED in tables}
 
 
-def row_types(robots: int, moving: int, columns: Sequence[str]) -> dict[str, np.dtype[Any]]:
+def row_types(
+    robots: int, moving: int, columns: Sequence[str], sideways: bool = False, steers: bool = False
+) -> dict[str, np.dtype[Any]]:
     """Type and shape of a row of each dataset that grows, for N robots, B bodies that move and
-    declared columns."""
+    declared columns.
+
+    ``sideways``: whether commands have a lateral speed; ``steers``: whether wheels steer.
+    """
     types: dict[str, np.dtype[Any]] = {path: TABLE[path].dtype for path in TABLES}
-    types[Layout.updates.path] = update_type(columns)
+    types[Layout.updates.path] = update_type(columns, sideways)
+    types[Layout.commands.path] = np.dtype(_widened(Layout.commands.fields, sideways))
     types[Layout.state_bytes.path] = np.dtype("u1")
     types[OTHERS] = np.dtype("<u2" if moving <= 1 << 16 else "<i4")
     sizes = {"N": robots, "B": moving, "3": 3}
-    for path in STEPS:
+    for path in (*([Layout.steering.path] if steers else []), *STEPS):
         rest = tuple(sizes[size] for size in TABLE[path].shape[1:])
         types[path] = np.dtype((TABLE[path].dtype, rest))
     return types

@@ -27,6 +27,7 @@ from physim.record.checks import (
     attributes_of,
     check_datasets,
     check_rows,
+    has_column,
     open_record,
     reading,
     reading_world,
@@ -79,12 +80,13 @@ class Record(layout.Layout):
         if not _just_made:
             sizes = {"N": self.robots, "N+1": self.robots + 1, "B": self.moving}
             sizes |= {"B+1": self.moving + 1, "W+1": bodies - self.moving + 1}
-            types = layout.row_types(
-                self.robots, self.moving, [column.name for column in declared.columns]
-            )
+            names = [column.name for column in declared.columns]
+            sideways = has_column(file, layout.Layout.commands.path, f"applied_{layout.SIDEWAYS}")
+            types = layout.row_types(self.robots, self.moving, names, sideways)
             held = layout.held(self.tables)
             check_datasets(file, self.where, held, {**sizes, "2": 2, "3": 3}, types)
-        self.samples = min(len(file[path]) for path in layout.STEPS)
+        grown = [path for path in (*layout.STEPS, layout.Layout.steering.path) if path in file]
+        self.samples = min(len(file[path]) for path in grown)
         """how many samples were recorded"""
         self._highest = {
             "robots": self.robots - 1,
@@ -95,7 +97,7 @@ class Record(layout.Layout):
             "steps": MOST_STEPS if self.ended == "running" else self.steps_run,
             **{of.path: len(file[of.path]) - bool(of.starts) for of in layout.PACKED},
         }
-        self._rows = dict.fromkeys(layout.STEPS, self.samples)
+        self._rows = dict.fromkeys(grown, self.samples)
         """how many rows are read of a dataset; all, where nothing is said"""
         if self.ended == "running":
             self._cut_off()
@@ -181,6 +183,8 @@ class Record(layout.Layout):
                 f"{self.where}: what robots sensed was not kept; physim run --keep-sensed, or "
                 "simulate(world, save=SaveAt(sensed=True)), keeps it"
             )
+        if not self.holds(path):
+            return read_only(np.zeros((self.samples, self.robots))[first:last])
         end = self._rows.get(path, last)
         last = end if last is None or end is None else min(last, end)
         with reading(self.where, path):
@@ -189,6 +193,15 @@ class Record(layout.Layout):
         if check:
             check_rows(self.where, layout.TABLE[path], rows, first, self._highest)
         return read_only(rows)
+
+    def holds(self, path: str) -> bool:
+        """Whether the file has a dataset; it may lack those that not every world has."""
+        return layout.TABLE[path].needed or path in self._file
+
+    @property
+    def columns(self) -> int:
+        """Numbers of a command: v, omega and, in a world with an omnidirectional robot, lateral."""
+        return 3 if f"nominal_{layout.SIDEWAYS}" in (self.commands.dtype.names or ()) else 2
 
     def close(self) -> None:
         """Close the file; what was read stays, nothing more can be read."""
@@ -374,10 +387,10 @@ class Record(layout.Layout):
     def commands_over(
         self, stage: Literal["nominal", "filtered", "applied"], first: int, last: int
     ) -> FloatArray:
-        """(last - first, N, 2) command of each robot over steps ``first`` to ``last - 1``.
+        """(last - first, N, columns) command of each robot over steps ``first`` to ``last - 1``.
 
-        [m/s, rad/s]; a robot's command is 0 before its first decision, and that of its last one
-        after the run, however far. Raises PhysimError for another stage.
+        [m/s, rad/s, m/s]; a robot's command is 0 before its first decision, and that of its last
+        one after the run, however far. Raises PhysimError for another stage.
         """
         stages = list(layout.COMMAND_STAGES)
         if stage not in stages:
@@ -386,11 +399,12 @@ class Record(layout.Layout):
                 f"{nearest(str(stage), stages)}"
             )
         steps = max(0, last - first)
-        held = np.zeros((steps, self.robots, 2))
+        parts = layout.PARTS[: self.columns]
+        held = np.zeros((steps, self.robots, len(parts)))
         if not steps:
             return held
         updates = self.updates
-        nominal = np.stack((updates["nominal_v"], updates["nominal_omega"]), axis=1)
+        nominal = np.stack([updates[f"nominal_{part}"] for part in parts], axis=1)
         at = np.zeros((steps, self.robots), dtype=np.int64)  # row + 1 of the decision that holds
         begin = int(np.searchsorted(updates["step"], first, side="right"))
         end = int(np.searchsorted(updates["step"], last))
@@ -403,7 +417,7 @@ class Record(layout.Layout):
         table = self.commands
         mine = table[slice(*np.searchsorted(table["step"], (first, last)))]
         place = mine["step"] - first, mine["robot"]
-        held[place] = np.stack((mine[f"{stage}_v"], mine[f"{stage}_omega"]), axis=1)
+        held[place] = np.stack([mine[f"{stage}_{part}"] for part in parts], axis=1)
         return held
 
     @cached_property

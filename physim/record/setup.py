@@ -13,6 +13,7 @@ from physim.world.kinds import MOST_ROBOTS
 from physim.world.run import ControllerChoice
 
 if TYPE_CHECKING:
+    from physim.record.layout import Judged
     from physim.record.reader import Record
 
 STAGES = {"sensing": ("sensing", "stages"), "filters": ("filters",),
@@ -20,6 +21,8 @@ STAGES = {"sensing": ("sensing", "stages"), "filters": ("filters",),
 """What the stages are called, and where the world names them."""
 
 
+NOT_KNOWN = "commands, decisions, modes, impulses and who was responsible: poses do not tell them"
+"""Of a log that was judged"""
 SHOWN_ROBOTS = 12
 """Robots of a controller that are listed one by one"""
 
@@ -71,6 +74,8 @@ class Setup:
     """of a branch: of which record, and what was changed"""
     begun: float = 0.0
     """[s] of the first sample"""
+    judged: Judged | None = None
+    """the log that was judged, where no run made the poses"""
 
     @property
     def controller(self) -> Part:
@@ -99,6 +104,9 @@ class Setup:
         if (origin := self.origin).digest:
             words = f"record {origin.digest[:12]} from {self.begun:g} s on; changed: {origin}"
             found.append(("branch of", words))
+        if self.judged is not None:
+            told = f"the poses of {self.judged.source}: {'; '.join(self.judged.notes)}"
+            found = [("judged", told), ("not known", NOT_KNOWN)]
         return [(word, text) for word, text in found if text]
 
     def to_dict(self) -> dict[str, Any]:
@@ -107,6 +115,8 @@ class Setup:
         found = {"controller": self.controller.to_dict(), **stages, "from_python": self.others}
         if self.origin.digest:
             found["branch_of"] = asdict(self.origin) | {"time_s": self.begun}
+        if self.judged is not None:
+            found = {"judged": asdict(self.judged), "not_known": NOT_KNOWN}
         if len(self.controllers) > 1:
             found["controllers"] = [
                 {**part.to_dict(), "robots": some} for part, some in self.controllers
@@ -129,6 +139,10 @@ def setup_of(record: Record) -> Setup:
         for (kind, name), one in zip(record.given, record.given_settings, strict=False)
     ]
     world = record.world_settings
+    if record.judged is not None:  # the world's parts did not act
+        whole = ((Part(f"log {record.judged.source}", {}), tuple(range(record.robots))),)
+        nothing: dict[str, tuple[Part, ...]] = dict.fromkeys(STAGES, ())
+        return Setup(whole, nothing, (), record.versions, record.names, judged=record.judged)
     own = dict(parts).get("controller") or _part(world.get("controller"), ControllerChoice().type)
     entries = world.get("robots")
     named: list[tuple[tuple[str, Mapping[str, Any]] | None, int]] = []

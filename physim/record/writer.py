@@ -105,6 +105,7 @@ class RecordWriter:
         begun_at: int = 0,
         begun_along: ArrayLike | None = None,
         origin: layout.Origin = layout.NO_ORIGIN,
+        judged: layout.Judged | None = None,
         flush_every_s: float = 0.5,
         overwrite: bool = True,
     ) -> None:
@@ -116,9 +117,9 @@ class RecordWriter:
         ``tables`` the optional ones that the run fills, ``given`` the parts that came from Python,
         with their ``given_settings`` where these are known. ``begun_at`` is the step of the
         first sample, ``begun_along`` (N, 3) [m] where robots are then, as `Layout.begun_along` has
-        it; ``origin`` is what a branch of a record went on from. Raises RecordError where the file
-        cannot be written, where another run is writing it, and, without ``overwrite``, where it
-        exists; PhysimError for what is no regular file.
+        it; ``origin`` is what a branch of a record went on from, ``judged`` the log that the poses
+        are of. Raises RecordError where the file cannot be written, where another run is writing
+        it, and, without ``overwrite``, where it exists; PhysimError for what is no regular file.
         """
         world = getattr(scene, "world", None)
         every = record_every or (int(world.time.record_every) if world else 1)
@@ -126,9 +127,9 @@ class RecordWriter:
         self.robots, self.moving = len(scene.start), len(scene.shapes.radius)
         self.extremes = Extremes(self.robots)
         self.arrived = np.full(self.robots, -1, dtype=np.int64)
-        self.types = layout.row_types(
-            self.robots, self.moving, [column.name for column in declared.columns]
-        )
+        columns, steers = getattr(scene, "columns", 2), getattr(scene, "steers", False)
+        names = [column.name for column in declared.columns]
+        self.types = layout.row_types(self.robots, self.moving, names, columns > 2, steers)
         """type of the rows of each dataset that grows, by its path"""
         self._waiting: dict[str, list[NDArray[Any]]] = {path: [] for path in self.types}
         self._flush_every_s = flush_every_s
@@ -158,6 +159,8 @@ class RecordWriter:
         }
         if origin.digest:
             attributes["origin"] = asdict(origin)
+        if judged is not None:
+            attributes["judged"] = judged
         packed = {
             "shapes": scene.shapes,
             "walls": scene.walls,
@@ -181,12 +184,13 @@ class RecordWriter:
             with self._writing():
                 self._file = self._open(overwrite)
                 for key, value in attributes.items():
-                    is_json = isinstance(value, list | dict | Declared)
+                    is_json = isinstance(value, list | dict | Declared | layout.Judged)
                     self._file.attrs[key] = json.dumps(value, default=asdict) if is_json else value
                 self._file.create_group(layout.WALL_CLOCK)
                 self._datasets = {
                     path: self._made(one, scene.steps // every + 2)
                     for path, one in layout.held(tables).items()
+                    if one.needed or path in self.types
                 }
                 self.flush()
         except BaseException:
@@ -207,14 +211,23 @@ class RecordWriter:
         )
 
     def append_steps(
-        self, step: ArrayLike, pose: ArrayLike, clearance: ArrayLike, boundary_clearance: ArrayLike
+        self,
+        step: ArrayLike,
+        pose: ArrayLike,
+        clearance: ArrayLike,
+        boundary_clearance: ArrayLike,
+        steering: ArrayLike | None = None,
     ) -> None:
         """Append S samples: step (S,), pose (S, B, 3) of all that moves, clearances (S, N) [m].
+
+        Also ``steering`` (B, N) [rad], where wheels steer.
 
         Goes to the file when the time has come; append the decisions and contacts of the samples
         before, then a killed run's tables end with its samples.
         """
         given = step, pose, clearance, boundary_clearance
+        if steering is not None:  # before the samples, which say how many there are
+            self._append(layout.Layout.steering.path, steering)
         for path, rows in zip(layout.STEPS, given, strict=True):
             self._append(path, rows)
         if time.monotonic() >= self._due:

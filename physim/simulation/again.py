@@ -47,6 +47,10 @@ def simulation_again(
     from physim.simulation.kept_states import state_at
     from physim.simulation.loop import Simulation
 
+    if record.judged is not None:
+        raise AgainError(
+            record, f"its poses are of a log, {record.judged.source}; no run made them"
+        )
     if record.noted_until <= record.begun_at:
         raise AgainError(record, "it made no step")
     try:

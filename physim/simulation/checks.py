@@ -15,15 +15,16 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.errors import ControllerError, plural
-from physim.geometry.shapes import Flags, FloatArray, IntArray, Rows2, read_only
+from physim.geometry.motion import twists
+from physim.geometry.shapes import Flags, FloatArray, IntArray, read_only
 from physim.parts.controller import LONGEST_HOLD, Decisions, Sensed
 from physim.parts.declarations import NO_NUMBER, Declared
 from physim.parts.user_code import kind_of
 from physim.tolerances import SHARE
 from physim.world.scene import Scene
 
-COMMAND = (("v", "m/s"), ("omega", "rad/s"))
-"""Quantity and unit of either part of a command."""
+COMMAND = (("v", "m/s"), ("omega", "rad/s"), ("lateral", "m/s"))
+"""Quantity and unit of each part of a command."""
 
 
 def array_of(name: str, values: Any, own: type, shape: Sequence[int | None]) -> NDArray[Any]:
@@ -53,9 +54,10 @@ def array_of(name: str, values: Any, own: type, shape: Sequence[int | None]) -> 
 def taken_commands(
     scene: Scene, found: Any, given: FloatArray | None, limits: FloatArray
 ) -> FloatArray:
-    """Commands (N, 2) of all robots as an array of our own; the very array that was given stays.
+    """Commands (N, columns) of all robots as an array of our own; the very one given stays.
 
-    Raises ControllerError where they are no numbers, or not finite and within ``limits`` (N, 2).
+    Raises ControllerError where they are no numbers, or not finite and within ``limits`` (N,
+    columns), and, where these are the scene's, within the curvatures that robots can drive.
     """
     commands = given
     if found is not given or commands is None:
@@ -74,27 +76,56 @@ def taken_commands(
                 f"commands have the shape {commands.shape}; it must be {limits.shape}"
             )
         read_only(commands)
-    place = command_fault(limits, commands, len(limits))
+    columns = limits.shape[1]
+    curvature = scene.curvature if limits is scene.limits else np.full(len(limits), np.inf)
+    place = command_fault(limits.reshape(-1), curvature, commands.reshape(-1), len(limits), columns)
     if place >= 0:
-        raise ControllerError(
-            f"{scene.names[place // 2]}: {_beyond(commands.flat[place], limits.flat[place], place)}"
-        )
+        i, column = divmod(place, columns + 1)
+        raise ControllerError(f"{scene.names[i]}: {_beyond(commands[i], column, scene, i, limits)}")
     return commands
 
 
 @compiled
-def command_fault(limits: Rows2, command: Rows2, robots: int) -> int:
-    """Place, counted row by row, of the first number that is not finite and within; or -1."""
-    for i in range(robots):
-        for column in range(2):
-            if not abs(command[i, column]) <= limits[i, column] * (1.0 + SHARE):
-                return 2 * i + column
+def within(command: FloatArray, limits: FloatArray, curvature: float, columns: int) -> int:
+    """Column of the first number of a command that is not finite and within, else -1.
+
+    ``columns`` itself where omega is more than the curvature allows at that speed.
+    """
+    for column in range(columns):
+        if not abs(command[column]) <= limits[column] * (1.0 + SHARE):
+            return column
+    if curvature < np.inf and abs(command[1]) > abs(command[0]) * curvature * (1.0 + SHARE):
+        return columns
     return -1
 
 
-def _beyond(value: float, most: float, place: int) -> str:
-    """Why a number of a command is refused."""
-    quantity, unit = COMMAND[place % 2]
+@compiled
+def command_fault(
+    limits: FloatArray, curvature: FloatArray, command: FloatArray, robots: int, columns: int
+) -> int:
+    """What `within` finds of the first robot at fault, and (columns + 1) times its number; or -1.
+
+    Limits and commands one row after the other.
+    """
+    for i in range(robots):
+        first = columns * i
+        column = within(command[first:], limits[first:], curvature[i], columns)
+        if column >= 0:
+            return (columns + 1) * i + column
+    return -1
+
+
+def _beyond(command: FloatArray, column: int, scene: Scene, i: int, limits: FloatArray) -> str:
+    """Why a command of Robot i is refused, for what `within` found."""
+    if column == len(command):
+        bend = scene.curvature[i]
+        return (
+            f"command omega = {command[1]:g} rad/s at v = {command[0]:g} m/s; its drive turns by "
+            f"{bend:.6g} rad for each metre at most, so {abs(command[0]) * bend:.6g} rad/s at that "
+            "speed"
+        )
+    value, most = float(command[column]), float(limits[i, column])
+    quantity, unit = COMMAND[column]
     # as many digits as tell it from what is allowed: single precision rounds up
     texts = (f"{value:.{digits}g}" for digits in range(6, 18))
     told = next(text for text in texts if abs(float(text)) != most or abs(value) == most)
@@ -122,7 +153,7 @@ def taken_decisions(found: Any, due: IntArray, columns: int) -> Decisions:
     many = len(due)
     taken = Decisions(
         array_of("robot", found.robot, np.int64, (None,)),
-        array_of("command", found.command, np.float64, (many, 2)),
+        array_of("command", found.command, np.float64, (many, None)),
         array_of("hold", found.hold, np.float64, (many,)),
         array_of("mode", found.mode, np.int64, (many,)),
         array_of("rule", found.rule, np.int64, (many,)),
@@ -137,6 +168,13 @@ def taken_decisions(found: Any, due: IntArray, columns: int) -> Decisions:
     return taken
 
 
+def widened(decisions: Decisions, scene: Scene) -> Decisions:
+    """Decisions whose commands have the scene's columns: the lateral speed is 0 where left out."""
+    if decisions.command.shape[1] == 2 < scene.columns:
+        return decisions._replace(command=twists(decisions.command))
+    return decisions
+
+
 def next_steps(scene: Scene, step: int, d: Decisions, declared: Declared) -> IntArray:
     """Steps (M,) of the next decisions: holds are rounded down, to one step at least (14).
 
@@ -144,13 +182,23 @@ def next_steps(scene: Scene, step: int, d: Decisions, declared: Declared) -> Int
     """
     steps = np.empty(len(d.robot), np.int64)
     modes, rules = len(declared.modes), len(declared.rules)
-    allowed = Allowed(scene.limits, scene.moving, modes, rules, scene.dt)
-    what, k, column = decision_fault(d, len(d.robot), len(d.considered), allowed, step, steps)
+    columns = scene.columns
+    if d.command.shape[1] != columns:
+        raise ControllerError(
+            f"command has the shape {d.command.shape}; it must be ({len(d.robot)}, {columns})"
+        )
+    allowed = Allowed(
+        scene.limits.reshape(-1), scene.curvature, columns, scene.moving, modes, rules, scene.dt
+    )
+    command = np.ascontiguousarray(d.command).reshape(-1)
+    what, k, column = decision_fault(
+        d._replace(command=command), len(d.robot), len(d.considered), allowed, step, steps
+    )
     if not what:
         return steps
     robot = d.robot[k]
     if what == COMMANDED:
-        text = _beyond(d.command[k, column], scene.limits[robot, column], column)
+        text = _beyond(d.command[k], column, scene, robot, scene.limits)
     elif what == HELD:
         text = f"hold = {d.hold[k]:g} s; it must be a time of at least 0 s"
     elif what in (MODE, RULE):
@@ -173,8 +221,10 @@ def next_steps(scene: Scene, step: int, d: Decisions, declared: Declared) -> Int
 class Allowed(NamedTuple):
     """What decisions of a scene may be."""
 
-    limits: Rows2
-    """(N, 2)"""
+    limits: FloatArray
+    """(N columns,)"""
+    curvature: FloatArray
+    columns: int
     moving: int
     modes: int
     rules: int
@@ -189,14 +239,17 @@ def decision_fault(
 
     Of so ``many`` decisions, which list so many robots considered. Writes ``next_step`` (M,).
     """
-    start, limits = d.considered_start, allowed.limits
+    start, limits, columns = d.considered_start, allowed.limits, allowed.columns
     if start[0] != 0 or start[many] != listed:
         return PARTED, 0, 0
     seen = np.full(allowed.moving, -1, np.int64)  # the row that considered each robot last
     for k in range(many):
-        for column in range(2):
-            if not abs(d.command[k, column]) <= limits[d.robot[k], column] * (1.0 + SHARE):
-                return COMMANDED, k, column
+        i = d.robot[k]
+        column = within(
+            d.command[columns * k :], limits[columns * i :], allowed.curvature[i], columns
+        )
+        if column >= 0:
+            return COMMANDED, k, column
         if not d.hold[k] >= 0.0:
             return HELD, k, 0
         if not NO_NUMBER <= d.mode[k] < allowed.modes:
@@ -249,6 +302,7 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
     ):
         found = found._replace(heard=found.age)
     shapes = {name: (own, (rows, *row)) for name, (own, row) in ROWS.items()}
+    shapes["command"] = (np.float64, (rows, scene.columns))
     shapes |= {name: (own, (scene.robots,)) for name, own in OBSERVERS.items()}
     arrays: dict[str, Any] = {}
     for name, (own, shape) in shapes.items():
@@ -266,7 +320,7 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
         elif values.shape != shape:  # of other rows than the others are
             raise ControllerError(f"{name} has the shape {values.shape}; it must be {shape}")
         arrays[name] = values
-    sensed = Sensed(given.step, **arrays)
+    sensed = Sensed(given.step, **arrays, drive=given.drive)
     robot, robots, moving = sensed.robot, scene.robots, scene.moving
     names = [body.name for body in scene.bodies[:moving]]
     if len(robot) > robots * moving:

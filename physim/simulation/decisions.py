@@ -11,7 +11,7 @@ from physim.geometry.shapes import FloatArray, IntArray, locked, read_only
 from physim.parts.controller import Controller, DecidesAll, Decisions
 from physim.parts.declarations import Declared
 from physim.parts.user_code import broken_by, is_shipped, naming
-from physim.simulation.checks import next_steps, taken_decisions
+from physim.simulation.checks import next_steps, taken_decisions, widened
 from physim.simulation.forms import Memory, asked_together, together
 from physim.simulation.observation import View
 
@@ -19,7 +19,7 @@ NOBODY = read_only(np.zeros(0, dtype=np.int64))
 
 
 class Decided(NamedTuple):
-    """Nominal commands (N, 2) from a step on, and who decided at it."""
+    """Nominal commands (N, columns) from a step on, and who decided at it."""
 
     nominal: FloatArray
     decisions: Decisions | None = None
@@ -43,7 +43,7 @@ class Asked(NamedTuple):
 
 
 def decide(asked: Asked, view: View, due: IntArray, held: FloatArray, memory: Memory) -> Decided:
-    """Ask the robots that are due and check their answers; ``held`` (N, 2) are commands so far.
+    """Ask the robots that are due and check their answers; ``held`` are the commands so far.
 
     Writes ``memory``. Raises ControllerError for what cannot be done or recorded.
     """
@@ -65,6 +65,7 @@ def answered(asked: Asked, view: View, due: IntArray, memory: Memory) -> tuple[D
         with naming(f"controller {name} at {view.time:g} s", form.decide_all):
             answer = asked_together(form, view, due, memory)
             decisions = taken_decisions(answer, due, len(asked.declared.columns))
+    decisions = widened(decisions, view.scene)
     try:
         return decisions, next_steps(view.scene, view.sensed.step, decisions, asked.declared)
     except ControllerError as error:

@@ -27,7 +27,7 @@ from physim.parts.controller import (
 )
 from physim.parts.declarations import NO_NUMBER, Declared, Mode, Rule
 from physim.parts.user_code import is_shipped, kind_of, naming
-from physim.simulation.checks import next_steps, taken_decisions
+from physim.simulation.checks import next_steps, taken_decisions, widened
 from physim.simulation.observation import View
 from physim.world.scene import Scene
 
@@ -117,15 +117,11 @@ class OneByOne:
     def decide_all(self, view: View, due: IntArray, memory: Memory) -> Decisions:
         """Decide for robots ``due``; every one sees the same view, whatever their order."""
         rows, memories = [], []
-        name, ask, robots = (
-            type(self.controller).__name__,
-            self.controller.decide,
-            view.scene.moving,
-        )
+        name, ask = type(self.controller).__name__, self.controller.decide
         for i in due.tolist():
             with naming(f"controller {name}, {view.scene.names[i]} at {view.time:g} s", ask):
                 decision = ask(view.observation(i), memory[MEMORY][i])
-                rows.append(decision_row(decision, self.declared, robots))
+                rows.append(decision_row(decision, self.declared, view.scene))
                 memories.append(decision.memory)
         for i, value in zip(due, memories, strict=True):
             memory[MEMORY][i] = value
@@ -154,7 +150,7 @@ class AskedAlone:
             whole[name][i : i + 1] = row
         due = np.array([i])
         answer = asked_together(self.controller, view, due, whole)
-        d = taken_decisions(answer, due, len(declared.columns))
+        d = widened(taken_decisions(answer, due, len(declared.columns)), view.scene)
         next_steps(view.scene, view.sensed.step, d, declared)
         mode, rule = int(d.mode[0]), int(d.rule[0])
         return Decision(
@@ -169,6 +165,7 @@ class AskedAlone:
                 one.name: value
                 for one, value in zip(declared.columns, d.report[0].tolist(), strict=True)
             },
+            lateral=float(d.command[0, 2:].sum()),
         )
 
     def _first(self, scene: Scene) -> Memory:
@@ -181,7 +178,8 @@ class AskedAlone:
 class Row(NamedTuple):
     """A decision as numbers: rows of `physim.parts.controller.Decisions`."""
 
-    command: tuple[float, float]
+    command: tuple[float, ...]
+    """of the scene's columns"""
     hold: float
     mode: int
     rule: int
@@ -189,22 +187,27 @@ class Row(NamedTuple):
     report: list[float]
 
 
-def decision_row(decision: object, declared: Declared, bodies: int) -> Row:
-    """Numbers of a decision of one among so many ``bodies`` that move.
+def decision_row(decision: object, declared: Declared, scene: Scene) -> Row:
+    """Numbers of a decision of one robot of a scene.
 
     Raises ControllerError when it is no Decision, when one of its fields is of a wrong type, or
-    names what the controller has not declared.
+    names what the controller has not declared; for a lateral speed where no robot has one.
     """
     if not isinstance(decision, Decision):
         raise ControllerError(f"decide returned {kind_of(decision)}; it must return a Decision")
     try:
-        considered = [index(j) for j in islice(decision.considered, bodies + 1)]
+        considered = [index(j) for j in islice(decision.considered, scene.moving + 1)]
     except TypeError:
         raise ControllerError(
             f"considered is {_quoted(decision.considered)}; it must list robots by index"
         ) from None
+    command = [_number(getattr(decision, name), name) for name in ("v", "omega", "lateral")]
+    if command[2] != 0.0 and scene.columns < 3:
+        raise ControllerError(
+            f"lateral = {command[2]:g} m/s; no robot of this world is omnidirectional, it must be 0"
+        )
     return Row(
-        (_number(decision.v, "v"), _number(decision.omega, "omega")),
+        (*command[: scene.columns],),
         _number(decision.hold, "hold"),
         _declared(decision.mode, "mode", declared.modes),
         _declared(decision.rule, "rule", declared.rules),

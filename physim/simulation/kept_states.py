@@ -48,6 +48,8 @@ def state_at(record: Record, time: float) -> SimulationState:
     Raises RecordError where none was kept then, with the nearest, and for one that is damaged.
     """
     rows = record.states
+    if record.judged is not None:
+        raise RecordError(f"{record.where}: holds the poses of a log; no run can go on from there")
     if not len(rows):
         raise RecordError(
             f"{record.where}: no states were kept; physim run --keep-states SECONDS, or "

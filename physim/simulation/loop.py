@@ -1,4 +1,4 @@
-"""The simulation: sense, decide, filter, disturb, move, report, once a step.
+"""The simulation: sense, decide, filter, drive, disturb, move, report, once a step.
 
 One step runs from sample k to sample k + 1: the robots that are due at k decide from what they
 sense of it, all hold their commands over the step, and the physics moves them as far as contacts
@@ -23,6 +23,7 @@ from physim.geometry.path import Tracking, put_projected
 from physim.geometry.shapes import FloatArray, IntArray, locked, read_only
 from physim.parts.controller import FASTEST, Controller, Observation, Sensed, Snapshot
 from physim.parts.declarations import NO_NUMBER, Declared
+from physim.parts.drive import NO_DRIVES
 from physim.parts.registry import (
     DISTURBANCE,
     FILTER,
@@ -49,6 +50,7 @@ from physim.simulation.arrival import Arrivals
 from physim.simulation.branching import branch_of
 from physim.simulation.checks import taken_commands, taken_sensed
 from physim.simulation.decisions import NOBODY, Asked, Decided, decide, replaced
+from physim.simulation.driving import applied_of, followed
 from physim.simulation.engine import Physics
 from physim.simulation.forms import first_memory
 from physim.simulation.observation import View
@@ -151,7 +153,8 @@ class Simulation:
 
     @property
     def command(self) -> FloatArray:
-        """(N, 2) nominal commands v [m/s], omega [rad/s] that are held; read-only."""
+        """(N, columns) nominal commands v [m/s], omega [rad/s], and lateral [m/s], that are held;
+        read-only. Scene.columns says how many numbers a command has."""
         return self.now.command
 
     @property
@@ -239,9 +242,9 @@ class Simulation:
     def step(self, commands: FloatArray | None = None, steps: int = 1) -> None:
         """Go from this sample to the next, or that many ``steps`` on.
 
-        With ``commands`` (N, 2) every robot holds those and no controller is asked. Several steps
-        are the same, bit for bit, as that many calls with these commands; they are checked once.
-        Raises ControllerError for a command that is not finite or beyond a robot's limits,
+        With ``commands`` (N, columns) every robot holds those and no controller is asked. Several
+        steps are the same, bit for bit, as that many calls with these; they are checked once.
+        Raises ControllerError for a command that is not finite or beyond what a robot can follow,
         PhysimError for ``steps`` that are no whole number from 1 on.
         """
         if steps != 1 or type(steps) is not int:
@@ -259,11 +262,15 @@ class Simulation:
         sensing = self._sense(NOBODY)[1] if self._calls[SENSE] else self._states[SENSE]
         nominal = decided.nominal
         filtered, filters = self._run_stage(FILTERED, nominal)
-        applied, disturbances = self._run_stage(DISTURBED, filtered)
+        driven, drive = filtered, truth.drive
+        if self.scene.drives:
+            drive = followed(self.scene, filtered, drive, self.time)
+            driven = applied_of(drive, filtered)
+        applied, disturbances = self._run_stage(DISTURBED, driven)
         self.physics.step(applied)
         self._states = (sensing, filters, disturbances)
         self._told = truth, self._sensed, decided, filtered, applied
-        self._arrive(truth.step + 1, nominal)
+        self._arrive(truth.step + 1, nominal, drive)
         if self.observers:
             self._report()
 
@@ -352,7 +359,7 @@ class Simulation:
         self._next_due = int(np.minimum.reduce(self.next_decision))
         return decided
 
-    def _arrive(self, step: int, nominal: FloatArray) -> None:
+    def _arrive(self, step: int, nominal: FloatArray, drive: FloatArray) -> None:
         """Take up the sample to which the physics brought the robots."""
         pose = read_only(self.physics.pose)
         velocity, grazes = self._swept.follow(step, self.now.moving_pose, pose)
@@ -361,9 +368,12 @@ class Simulation:
                 (self.physics.contacts, grazes), dtype=CONTACT_ROW
             )
         self._arrivals.follow(self._tracking, step, pose)
-        self._take(step, pose, nominal, read_only(velocity))
+        self._take(step, pose, nominal, read_only(velocity), drive)
 
-    def _take(self, step: int, pose: FloatArray, nominal: FloatArray, velocity: FloatArray) -> None:
+    def _take(
+        self, step: int, pose: FloatArray, nominal: FloatArray, velocity: FloatArray,
+        drive: FloatArray,
+    ) -> None:  # fmt: skip
         own, beside, station = self._tracking.stations
         every, speeds, command, along = pose, velocity, nominal, station
         n, bodies = len(station), len(pose)
@@ -379,8 +389,9 @@ class Simulation:
                 read_only(command)
             read_only(along)
         self.now = Snapshot(
-            step, pose, nominal, velocity, own, beside, station, every, speeds, command, along
-        )
+            step, pose, nominal, velocity, own, beside, station, every, speeds, command, along,
+            drive,
+        )  # fmt: skip
         self._sensed = None
 
     def _report(self) -> None:
@@ -411,7 +422,7 @@ class Simulation:
             truth, sensed._replace(step=truth.step), decided.decisions,
             decided.next_step, decided.nominal, filtered, applied, self.now.pose,
             locked(self.physics.contacts), locked(self.physics.false_contacts),
-            self._arrivals.arrived, self.now.moving_pose,
+            self._arrivals.arrived, self.now.moving_pose, self.now.drive,
         )  # fmt: skip
 
     # State
@@ -505,7 +516,7 @@ class Simulation:
         self._usable = Usable.of(scene)
         demands = [getattr(part, "on_demand", False) for _, part, _ in self._calls[SENSE]]
         self._is_on_demand = bool(demands) and all(demands) and not self._parts[FILTERED]
-        self._limits = {FILTERED: scene.limits, DISTURBED: np.full((robots, 2), FASTEST)}
+        self._limits = {FILTERED: scene.limits, DISTURBED: np.full(scene.limits.shape, FASTEST)}
         states = []
         for kind, parts in zip(STAGES, self._parts, strict=True):
             begun_with = []
@@ -522,7 +533,9 @@ class Simulation:
         self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
         self._next_due, self._told = 0, None
         still = read_only(np.zeros((scene.moving, 3)))
-        self._take(0, read_only(self.physics.pose), read_only(np.zeros((robots, 2))), still)
+        drive = read_only(np.zeros((robots, 4))) if scene.drives else NO_DRIVES
+        held = read_only(np.zeros((robots, scene.columns)))
+        self._take(0, read_only(self.physics.pose), held, still, drive)
         self._nothing = nothing(self.now)
 
     @property

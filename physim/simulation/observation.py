@@ -15,6 +15,7 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import DTypeLike
 
+from physim.geometry.motion import twists
 from physim.geometry.path import Path
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
 from physim.geometry.walls import parts_within
@@ -24,9 +25,12 @@ from physim.parts.controller import (
     Observation,
     ObservedRobot,
     Sensed,
+    Vehicle,
     Wall,
 )
+from physim.parts.drive import PLAIN
 from physim.simulation.arrays import Arrays, Layout, arrays_of, layout_of, unchanging
+from physim.simulation.driving import reachable
 from physim.world.scene import Scene
 
 T = TypeVar("T")
@@ -57,6 +61,7 @@ class View:
         self._shared: _SceneFacts = _SceneFacts(scene) if like is None else like._shared
         self._robots: dict[int, ObservedRobot] = {}
         self._neighbours: dict[int, Neighbour] = {}
+        self._reach: dict[float, FloatArray] = {}
 
     def rows(self, i: int) -> slice:
         """Rows of ``sensed`` that observer i has."""
@@ -142,7 +147,8 @@ class View:
         values = self._shared.facts(i).copy()
         values["time"] = self.time
         values["pose"] = read_only(sensed.pose[own].copy())
-        values["v"], values["omega"] = sensed.command[own].tolist()
+        values["v"], values["omega"], *lateral = sensed.command[own].tolist()
+        values["lateral"] = lateral[0] if lateral else 0.0
         values["velocity"] = read_only(sensed.velocity[own].copy())
         values["station"] = sensed.station.item(i)
         values["reference_station"] = sensed.reference_station.item(own)
@@ -154,17 +160,37 @@ class View:
             return self._shared.footprint(i)
         if field == "path":
             return self._shared.path(i)
+        if field == "vehicle":
+            return self._vehicle(i)
         if field == "walls":
             return tuple(map(self._shared.wall, self.walls(i).tolist()))
         if field == "others":
             return tuple(map(self._robot, self.others(i).tolist()))
         return tuple(map(self._neighbour, self.neighbours(i).tolist()))
 
+    def reach(self, time: float) -> FloatArray:
+        """(N, 6) what robots can come to within a time [s]: least and greatest v [m/s], omega
+        [rad/s] and curvature [1/m]. Each may know its own row alone."""
+        if time not in self._reach:
+            self._reach[time] = read_only(reachable(self.scene, self.sensed.drive, time))
+        return self._reach[time]
+
+    def _vehicle(self, i: int) -> Vehicle:
+        """Of Robot i; one without drive does what it was last commanded to."""
+        sensed, drives = self.sensed, self.scene.drives
+        row = sensed.drive[i] if drives else twists(sensed.command[self.own_row(i)][None])[0]
+        v, omega, lateral, *steering = row.tolist()
+        name = next((one.type for one in drives if i in one.robots), PLAIN)
+        return Vehicle(
+            name, v, omega, lateral, steering[0] if steering else 0.0, self.scene.braking.item(i),
+            lambda time: tuple(self.reach(time)[i].tolist()),
+        )  # fmt: skip
+
     def _robot(self, row: int) -> ObservedRobot:
         """Of a row; what several see of one is made once for all of them."""
         if row not in self._robots:
             sensed = self.sensed
-            j, (v, omega) = sensed.robot.item(row), sensed.command[row].tolist()
+            j, (v, omega, *lateral) = sensed.robot.item(row), sensed.command[row].tolist()
             self._robots[row] = ObservedRobot(
                 j,
                 read_only(sensed.pose[row].copy()),
@@ -175,6 +201,7 @@ class View:
                 sensed.reference_station.item(row),
                 self.time - sensed.age.item(row),
                 self.scene.bodies[j].kind,  # type: ignore[arg-type]  # of what moves
+                lateral[0] if lateral else 0.0,
             )
         return self._robots[row]
 

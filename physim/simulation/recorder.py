@@ -23,7 +23,7 @@ from physim.geometry.clearance import ClearanceFinder
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.stages import Step
 from physim.record import RecordWriter
-from physim.record.layout import COMMAND, CONSIDERING, OPTIONAL, SENSED, Layout
+from physim.record.layout import CONSIDERING, OPTIONAL, PARTS, SENSED, Layout
 from physim.simulation.arrival import later_since
 from physim.simulation.observation import View, formation_errors
 from physim.world.scene import Scene
@@ -116,13 +116,13 @@ class Recorder:
         self.size = max(1, min(BLOCK_STEPS, BLOCK_POSES // writer.moving))
         self.steps: list[Step] = []
         self.begun = self.first = self.rejected = 0
-        self.unrecorded: tuple[int, FloatArray] | None = None
-        """the latest sample and its poses, where that is not recorded"""
+        self.unrecorded: tuple[int, FloatArray, FloatArray | None] | None = None
+        """the latest sample, its poses and steering (1, N), where that is not recorded"""
         self.taken = 0
         """steps taken down"""
         self.latest: FloatArray | None = None
-        """(N, 2) latest command of each controller, once others are held: given from outside, or
-        from before the record began"""
+        """(N, columns) latest command of each controller, once others are held: given from outside,
+        or from before the record began"""
 
     def start(self, simulation: Simulation) -> None:
         """Take down the sample at which the simulation is."""
@@ -130,7 +130,7 @@ class Recorder:
         self.begun = self.first = simulation.step_number
         self.view: View | None = None
         if self.begun:  # the record has no decision that gave the commands that are held
-            self.latest = np.zeros((scene.robots, 2))
+            self.latest = np.zeros((scene.robots, scene.columns))
         self.since = np.full(scene.robots, -1, dtype=np.int64)
         self.near = ClearanceFinder(scene.shapes, scene.wall_tree, scene.robots)
         self.least = np.full((2, scene.robots), np.inf)
@@ -141,8 +141,8 @@ class Recorder:
         contacts = simulation.contacts
         if self.begun:  # what happened in the step that led here is not of this record
             contacts = touching(contacts)
-        pose = simulation.now.moving_pose
-        self._write_samples(pose[None], simulation.arrived[None], [contacts])
+        pose, drive = simulation.now.moving_pose, simulation.now.drive
+        self._write_samples(pose[None], simulation.arrived[None], [contacts], drive[None])
         self.last_write = time.monotonic()
 
     def after_step(self, step: Step) -> None:
@@ -172,10 +172,12 @@ class Recorder:
                 stacked([step.moving_pose for step in steps]),
                 stacked([step.arrived for step in steps]),
                 [step.contacts for step in steps],
+                stacked([step.drive for step in steps]),
             )
         if last and self.unrecorded is not None:
-            step, pose = self.unrecorded
-            self.writer.append_steps([step], pose[None], *self.least[:, None])
+            step, pose, steering = self.unrecorded
+            near, walls = self.least[:, None]
+            self.writer.append_steps([step], pose[None], near, walls, steering)
         self.last_write = time.monotonic()
 
     def _write_commands(self, steps: Sequence[Step]) -> None:
@@ -198,9 +200,9 @@ class Recorder:
             return
         stages = stacked(told).reshape(len(numbers), 4, *told[0].shape)
         at, robot = (stages[:, 1:] != stages[:, :-1]).any(axis=(1, 3)).nonzero()
-        rows = np.zeros(len(at), dtype=COMMAND)
+        rows = np.zeros(len(at), dtype=self.writer.types["/commands"])
         rows["step"], rows["robot"] = np.array(numbers)[at], robot
-        names = iter((COMMAND.names or ())[2:])
+        names = iter((rows.dtype.names or ())[2:])
         for stage in range(1, 4):
             for part in range(told[0].shape[1]):
                 rows[next(names)] = stages[at, stage, robot, part]
@@ -231,13 +233,16 @@ class Recorder:
             self.writer.append("false_contacts", np.concatenate(rows, dtype=FALSE_CONTACT_ROW))
 
     def _write_samples(
-        self, poses: FloatArray, arrived: NDArray[np.bool_], contacts: Sequence[NDArray[np.void]]
-    ) -> None:
+        self, poses: FloatArray, arrived: NDArray[np.bool_], contacts: Sequence[NDArray[np.void]],
+        drive: FloatArray,
+    ) -> None:  # fmt: skip
         """Contacts in the order of steps, and every ``every``-th of S samples of all that moves,
         ``poses`` (S, B, 3).
 
-        With these go the least distances since the one before. ``arrived`` (S, N).
+        With these go the least distances since the one before. ``arrived`` (S, N), ``drive``
+        (S, N, 4), or (S, 0, 4) in a world without drives.
         """
+        steering = drive[:, :, 3] if self.scene.steers else None
         self.since = later_since(self.since, self.first, arrived)
         self.writer.note_arrived(self.since)
         found = self.near.find(poses)
@@ -252,10 +257,13 @@ class Recorder:
         if len(ends):
             starts = np.concatenate(([0], ends[:-1]))
             least = np.minimum.reduceat(gaps[:, : ends[-1]], starts, axis=1)
-            self.writer.append_steps(step[ends - 1], poses[ends - 1], *least)
+            turned = None if steering is None else steering[ends - 1]
+            near, walls = least
+            self.writer.append_steps(step[ends - 1], poses[ends - 1], near, walls, turned)
             gaps = gaps[:, ends[-1] :]
         self.least = gaps.min(axis=1, initial=np.inf)
-        self.unrecorded = (int(step[-1]), poses[-1]) if gaps.shape[1] else None
+        turned = None if steering is None else steering[-1:]
+        self.unrecorded = (int(step[-1]), poses[-1], turned) if gaps.shape[1] else None
         self.first += len(poses)
 
 
@@ -275,7 +283,8 @@ def sensed_rows(view: View, robots: IntArray) -> NDArray[np.void]:
     rows["observer"] = np.repeat(robots, [len(one) for one in known])
     rows["x"], rows["y"], rows["heading"] = sensed.pose[at].T
     rows["vx"], rows["vy"], rows["omega"] = sensed.velocity[at].T
-    rows["reference_station"], rows["age"] = sensed.reference_station[at], sensed.age[at]
+    for name in ("age", "reference_station", "heard"):
+        rows[name] = getattr(sensed, name)[at]
     return rows
 
 
@@ -297,9 +306,10 @@ def update_rows(
     rows = np.empty(len(robot), dtype=row_type)
     rows["step"] = np.array([step.truth.step for step, _ in decided])[which]
     rows["robot"], rows["mode"], rows["rule"] = robot, told("mode"), told("rule")
-    rows["nominal_v"], rows["nominal_omega"] = told("command").T
     applied = stacked([step.applied for step, _ in decided])[which, robot]
-    rows["applied_v"], rows["applied_omega"] = applied.T
+    for stage, commands in (("nominal", told("command")), ("applied", applied)):
+        for part, values in zip(PARTS, commands.T, strict=False):
+            rows[f"{stage}_{part}"] = values
     rows["station"] = truth("station")[which, robot]
     rows["reference_station"] = reference[which, robot]
     rows["deviation"] = truth("deviation")[which, robot]

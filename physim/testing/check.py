@@ -19,7 +19,7 @@ from physim.errors import ControllerError, PhysimError, WorldError, plural
 from physim.parts.controller import Controller, DecidesAll
 from physim.parts.registry import CONTROLLER, checked_settings, find_part, made_part
 from physim.parts.user_code import place_of
-from physim.parts.world_checks import robot_faults
+from physim.parts.world_checks import drive_faults, robot_faults
 from physim.simulation.forms import per_robot
 from physim.testing.rules import Finding, FindingLog, check_all, check_one_by_one
 from physim.testing.trial import Make, method_of, run_trial
@@ -295,7 +295,11 @@ def check_worlds(
 def _check_scene(name: str, scene: Scene, make: Make, seconds: float) -> WorldResult:
     """Try a controller in one world."""
     controller = make()
-    if faults := robot_faults(controller, scene.layout.robots, scene.layout.entries):
+    own = scene.layout
+    faults = [
+        one for by in scene.world.drivers() for one in drive_faults(controller, own.world, by)
+    ]
+    if faults := faults or robot_faults(controller, own.robots, own.entries):
         more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
         return WorldResult(name, False, 0, (), f"{faults[0]}{more}")
     plain = per_robot(controller)

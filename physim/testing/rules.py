@@ -21,7 +21,7 @@ from physim.geometry.walls import build_wall_tree
 from physim.parts.controller import DecidesAll, DecidesOne, Sensed
 from physim.parts.declarations import Declared, agreement_of
 from physim.parts.user_code import broken_by, place_of
-from physim.simulation.checks import next_steps, taken_decisions
+from physim.simulation.checks import next_steps, taken_decisions, widened
 from physim.simulation.forms import AskedAlone, asked_together, first_memory
 from physim.simulation.observation import View
 from physim.testing.contents import (
@@ -411,6 +411,7 @@ class _Asking:
             self.report(f"{text}, at {change.place}", due[0], Rule.OBSERVATION)
         try:
             decisions = taken_decisions(decisions, due, len(self.declared.columns))
+            decisions = widened(decisions, scene)
             next_steps(scene, step.sensed.step, decisions, self.declared)
         except ControllerError as error:
             self.report(f"decide_all: {error}", due[0])

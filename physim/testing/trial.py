@@ -26,6 +26,7 @@ from physim.parts.controller import (
     Sensed,
 )
 from physim.parts.declarations import Declared
+from physim.parts.drive import ANY
 from physim.parts.user_code import broken_by
 from physim.simulation.checks import next_steps
 from physim.simulation.forms import AskedAlone, Row, decision_row, decisions_of
@@ -73,7 +74,7 @@ def ask(controller: DecidesOne, scene: Scene, observation: Observation, memory: 
         return Answer({RAISES: type(error).__name__}, None, fault)
     try:
         declared = Declared.of(controller)
-        row = decision_row(decision, declared, scene.moving)
+        row = decision_row(decision, declared, scene)
         rows = decisions_of(np.array([observation.index]), [row], len(declared.columns))
         next_steps(scene, round(observation.time / scene.dt), rows, declared)
     except ControllerError as error:
@@ -93,7 +94,7 @@ def rows_of(decisions: Decisions) -> dict[int, Row]:
     start = decisions.considered_start
     return {
         int(robot): Row(
-            (float(decisions.command[k, 0]), float(decisions.command[k, 1])),
+            tuple(decisions.command[k].tolist()),
             float(decisions.hold[k]),
             int(decisions.mode[k]),
             int(decisions.rule[k]),
@@ -106,7 +107,8 @@ def rows_of(decisions: Decisions) -> dict[int, Row]:
 
 def values_of(row: Row, declared: Declared) -> Contents:
     """Numbers of a decision by name."""
-    numbers = {"v": row.command[0], "omega": row.command[1], "hold": row.hold}
+    numbers = dict(zip(("v", "omega", "lateral"), row.command, strict=False))
+    numbers["hold"] = row.hold
     for column, value in zip(declared.columns, row.report, strict=True):
         numbers[f"report {column.name}"] = value
     values: Contents = {name: value if value == value else NAN for name, value in numbers.items()}
@@ -221,6 +223,7 @@ def own_arrays(sensed: Sensed) -> Sensed:
 class _QueryRecorder:
     """Takes the place of the controller in a trial, and keeps every query with its answer."""
 
+    drives = (ANY,)
     simulation: Simulation
     spare: View | None = None
     """of the present step, in arrays of its own"""

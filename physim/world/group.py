@@ -16,7 +16,7 @@ from physim.errors import Location
 from physim.world.base import Model
 from physim.world.kinds import MOST_ROBOTS, Label, Sequence, Whole
 from physim.world.robot import Footprint, Limits, Mass, Multiples, Robot, RobotPath, Speeds, Start
-from physim.world.run import OfRobots
+from physim.world.run import OfDrive, OfRobots
 
 NUMBER = "{number}"
 """What is replaced in the name of a group."""
@@ -61,6 +61,7 @@ class RobotGroup(Model):
         "the last path the list begins again",
     )
     limits: Limits = Field(default=Limits(), description="largest commands of each robot")
+    drive: OfDrive = None
     mass: Mass = None
     speeds: Multiples = None
     omegas: Speeds = None
@@ -90,6 +91,7 @@ class RobotGroup(Model):
             start=self.start,
             path=self.path if self.paths is None else self.paths[place % len(self.paths)],
             limits=self.limits,
+            drive=self.drive,
             mass=self.mass,
             speeds=self.speeds,
             omegas=self.omegas,

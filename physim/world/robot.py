@@ -23,7 +23,7 @@ from physim.world.kinds import (
     Whole,
     either,
 )
-from physim.world.run import OfRobots
+from physim.world.run import OfDrive, OfRobots
 
 StartHeading = Annotated[
     Annotated[Literal["random", "along"], Tag("<word>")] | Annotated[Angle, Tag("<value>")],
@@ -153,6 +153,7 @@ class Robot(Model):
         description="[m] waypoints [x, y], or {offset} from the reference path, left positive"
     )
     limits: Limits = Field(default=Limits(), description="largest commands of this robot")
+    drive: OfDrive = None
     mass: Mass = None
     speeds: Multiples = None
     omegas: Speeds = None

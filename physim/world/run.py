@@ -7,7 +7,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema, field_serializer
+from pydantic import (
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    WithJsonSchema,
+    field_serializer,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from physim.world.base import Model
@@ -115,6 +122,24 @@ OfRobots = Annotated[
     Field(
         description="controller of this robot or group, as {type: NAME, KEY: VALUE}, instead of "
         "the world's; settings of the world's controller do not apply to it"
+    ),
+]
+
+
+class DriveChoice(Choice):
+    """What moves a robot, by name, and its settings, which the drive itself checks."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_a_word(cls, value: Any) -> Any:
+        return {"type": value} if isinstance(value, str) else nested_choice(value)
+
+
+OfDrive = Annotated[
+    DriveChoice | None,
+    Field(
+        description="what moves it: the name of a drive, or {type: NAME, KEY: VALUE}; a unicycle "
+        "that follows every command at once when absent"
     ),
 ]
 

@@ -11,7 +11,7 @@ from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import shapely
@@ -25,6 +25,7 @@ from physim.world.robot import Offset, Robot
 if TYPE_CHECKING:
     from physim.geometry.timed_paths import TimedPaths
     from physim.geometry.walls import WallTree
+    from physim.parts.drive import Drive
     from physim.world import World
     from physim.world.ground.area import Area
     from physim.world.ground.pieces import Pieces
@@ -45,6 +46,15 @@ class Body:
     kind: str
     """``robot``, ``mover``, ``boundary`` or ``obstacle``"""
     name: str
+
+
+class Driven(NamedTuple):
+    """Robots with one drive of the same settings."""
+
+    type: str
+    drive: Drive
+    robots: IntArray
+    """(M,) which, increasing"""
 
 
 @dataclass(frozen=True)
@@ -239,7 +249,13 @@ class Scene:
     mass: FloatArray
     """(B,) [kg]; inf of movers"""
     limits: FloatArray
-    """(N, 2) largest |v| [m/s] and |omega| [rad/s]"""
+    """(N, columns) largest |v| [m/s] and |omega| [rad/s], and lateral speed [m/s]"""
+    curvature: FloatArray
+    """(N,) [1/m] largest |omega| over |v|, inf of robots that can turn on the spot"""
+    braking: FloatArray
+    """(N,) [m/s²] by which robots brake, inf of those that stop at once"""
+    drives: tuple[Driven, ...]
+    """of the robots that do not just follow their commands"""
     start: FloatArray
     """(N, 3) pose of robots at sample 0"""
     movers: TimedPaths
@@ -273,6 +289,17 @@ class Scene:
     def robots(self) -> int:
         """Number of robots N."""
         return len(self.start)
+
+    @property
+    def columns(self) -> int:
+        """Numbers of a command: v and omega, and in a world with an omnidirectional robot lateral
+        [m/s], left positive."""
+        return int(self.limits.shape[1])
+
+    @property
+    def steers(self) -> bool:
+        """Whether some robot has wheels that steer."""
+        return any(getattr(one.drive, "steers", False) for one in self.drives)
 
     @property
     def moving(self) -> int:

@@ -20,7 +20,7 @@ from tests.helpers import check_error, facts, inside
 
 next_strength, bracket = inside("physim.campaigns", "next_strength", "bracket")
 each_confidence, varied = inside("physim.campaigns", "each_confidence", "varied")
-Borne, sentences = inside("physim.campaigns", "Borne", "sentences")
+Borne, sentences, picture = inside("physim.campaigns", "Borne", "sentences", "picture")
 
 LAST, SEEDS, CONFIDENCE, REPEATED = 16, 300, 0.8, 150
 TARGET = Goal("rate", ">", 0.5)
@@ -70,7 +70,7 @@ def test_a_bracket_is_right_as_often_as_it_says(name: str, paired: bool) -> None
 
 MET = Decision(20, 20, 0.8, 1.0, True, True)
 MISSED = Decision(20, 4, 0.05, 0.45, True, False)
-LESS = Decision(20, 0, 0.0, 0.04, True, False)
+LESS = Decision(20, 1, 0.0, 0.04, True, False)  # an earlier look was below the share of 5 %
 OPEN = Decision(20, 12, 0.3, 0.8, False, None)
 
 
@@ -88,7 +88,9 @@ def test_it_says_what_is_known_and_no_more(
     known: dict[int, Decision], said: tuple[str, ...]
 ) -> None:
     grid = (0.0, 1.0, 2.0, 3.0, 4.0)
-    told = "\n".join(sentences(Borne("w", "c", "noise", TARGET, 0.95, grid, known, False)))
+    found = Borne("w", "c", "noise", TARGET, 0.95, grid, known, False)
+    told = "\n".join(sentences(found))
+    assert picture(found).axes
     assert re.search(facts(*said), told), told
     assert ("NOTE" in told) == ("NOTE" in said)
 

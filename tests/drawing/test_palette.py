@@ -69,6 +69,11 @@ def test_modes_of_the_paper_are_told_apart_and_from_contacts() -> None:
     assert min(apart(*pair) for pair in pairs) >= 10.0
 
 
+def test_a_mover_is_told_apart_from_all_else() -> None:
+    others = [*palette.ROBOTS, *MODES, palette.CONTACT, palette.UNDECIDED, palette.SAFE_AREA]
+    assert min(apart(palette.MOVER, other) for other in others) >= 10.0
+
+
 def test_the_danger_area_is_darker_than_the_safe_one() -> None:
     light = [oklab(c, "all cones")[0] for c in (palette.DANGER_AREA, palette.SAFE_AREA)]
     assert light[0] < light[1] - 4.0

@@ -6,7 +6,16 @@ import itertools
 
 import numpy as np
 
-from physim import FormationView, Neighbour, Observation, ObservedRobot, Scene, Sensed, Wall
+from physim import (
+    FormationView,
+    Neighbour,
+    Observation,
+    ObservedRobot,
+    Scene,
+    Sensed,
+    Vehicle,
+    Wall,
+)
 from physim.geometry import Shapes
 from tests.helpers import inside
 
@@ -72,6 +81,9 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
         range=reach,
         dt=scene.dt,
         formation=FormationView(plan.active, plan.gain, plan.speed, plan.v_min, plan.v_max),
+        vehicle=Vehicle(
+            "unicycle", float(command[me, 0]), float(command[me, 1]), 0.0, 0.0, float("inf"), None
+        ),
         speeds=scene.speeds[i],
         omegas=scene.omegas[i],
     )

@@ -324,5 +324,6 @@ def test_the_record_holds_what_each_robot_sensed_where_asked() -> None:
     assert beyond
     assert len(found) == len(rows)
     assert (rows["age"] == 0.25).all()
+    assert (rows["heard"] == 0.0).all()
     with pytest.raises(RecordError, match="--keep-sensed"):
         simulate(world, controller=Noting()).sensed  # noqa: B018

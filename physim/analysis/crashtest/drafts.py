@@ -14,14 +14,14 @@ seed alone, since cutting an outline into convex parts costs more than the case 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import cos, pi, sin
+from math import atan, cos, hypot, pi, sin
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 
 from physim.geometry.bodies import body_distance, body_separation
-from physim.geometry.motion import arc
+from physim.geometry.motion import Twist, arc
 from physim.geometry.polygon import (
     circumscribed_radius,
     convex_parts,
@@ -58,14 +58,14 @@ FASTEST = 3.0
 """[m/s]"""
 TURNING = 4.0
 """[rad/s] fastest turn"""
+WHEELBASE = 0.1
+"""[m] of cars: short, so that they can take every arc"""
 ROOM = 0.96
 """[-] share of the advance that the tunnelling rule allows, left for rounding"""
 
 Place = tuple[float, float]
 Walls = tuple[Sequence[FloatArray], ...]
 """Convex parts or segments of each line and each solid"""
-Order = tuple[float, float]
-"""v [m/s], omega [rad/s], held"""
 
 
 class Footprint(NamedTuple):
@@ -93,7 +93,7 @@ class Layout(NamedTuple):
     start: FloatArray
     """(r, 3) x, y [m], heading [rad], world frame, at sample 0"""
     command: FloatArray
-    """(r, 2) v [m/s], omega [rad/s], held"""
+    """(r, 3) twists that are held"""
     lines: tuple[FloatArray, ...] = ()
     """boundaries as drawn, (n, 2) [m] each, world frame"""
     solids: tuple[tuple[FloatArray, ...], ...] = ()
@@ -174,8 +174,12 @@ SORTS: dict[str, Callable[[Generator], FloatArray]] = {
 class Draft:
     """One case in the making: its random numbers, its place and step, and robots to draw from."""
 
-    def __init__(self, rng: Generator, origin: Place, dt: float, store: Store) -> None:
+    def __init__(
+        self, rng: Generator, sideways: Generator, origin: Place, dt: float, store: Store
+    ) -> None:
         self.rng, self.origin, self.dt, self.store = rng, origin, dt, store
+        self.sideways = sideways
+        """which robots are omnidirectional, and which way they go"""
 
     def robot(self, sort: str = "") -> Footprint:
         """A footprint of a sort, or of any."""
@@ -191,7 +195,7 @@ class Draft:
         reach, bearing = self.rng.uniform(0.0, 1.05) * (a.radius + b.radius), self._angle()
         (x, y), first, second = self.origin, self._angle(), self._angle()
         poses = (x, y, first), (x + reach * cos(bearing), y + reach * sin(bearing), second)
-        orders = [self._order(a, most), (0.0, 0.0) if stands else self._order(b, most)]
+        orders = [self._order(a, most), (0.0, 0.0, 0.0) if stands else self._order(b, most)]
         return _back((a, b), poses, orders, time)
 
     def mover(self) -> Layout:
@@ -219,12 +223,12 @@ class Draft:
         second = (x + c * along - s * left, y + s * along + c * left, heading)
         v, sort = rng.uniform(0.1, 0.9) * min(FASTEST, most), rng.integers(4)
         if sort == 0:  # in step
-            orders = [(v, 0.0), (v, 0.0)]
+            orders = [(v, 0.0, 0.0), (v, 0.0, 0.0)]
         elif sort == 1:  # at different speeds
-            orders = [(v, 0.0), (v * rng.uniform(-1.0, 1.0), 0.0)]
+            orders = [(v, 0.0, 0.0), (v * rng.uniform(-1.0, 1.0), 0.0, 0.0)]
         elif sort == 2:  # one turning into the other
             omega = rng.uniform(-1.0, 1.0) * min(TURNING, 0.1 * most / max(a.radius, b.radius))
-            orders = [(v, omega), (v, 0.0)]
+            orders = [(v, omega, 0.0), (v, 0.0, 0.0)]
         else:
             orders = [self._order(robot, most) for robot in (a, b)]
         return Layout((a, b), np.array([(x, y, heading), second]), np.array(orders))
@@ -242,13 +246,18 @@ class Draft:
         second[:2] -= (d - self._hair()) * normal
         one, two = self._order(a, most), self._order(b, most)
         # The second robot's speed makes the relative velocity of the touching points tangential.
-        closing = normal @ (_velocity(first, one, point) - _velocity(second, (0.0, two[1]), point))
+        closing = normal @ (
+            _velocity(first, one, point) - _velocity(second, (0.0, *two[1:]), point)
+        )
         ahead = nx * cos(second[2]) + ny * sin(second[2])
         v = float(closing / ahead) if abs(ahead) > 0.05 else two[0]
-        orders = [one, (v, two[1])]  # slowed alike, so that directions stay
-        fastest = max(abs(v) + r.radius * abs(w) for (v, w), r in zip(orders, (a, b), strict=True))
+        orders = [one, (v, *two[1:])]  # slowed alike, so that directions stay
+        fastest = max(
+            hypot(v, lateral) + r.radius * abs(w)
+            for (v, w, lateral), r in zip(orders, (a, b), strict=True)
+        )
         share = min(1.0, most / fastest)
-        orders = [(float(share * v), float(share * w)) for v, w in orders]
+        orders = [_scaled(order, share) for order in orders]
         return _back((a, b), (tuple(first), tuple(second)), orders, time)
 
     def wall(self) -> Layout:
@@ -298,11 +307,12 @@ class Draft:
         most, time = self._most(robot), self._time()
         v = rng.uniform(0.1, 1.0) * min(FASTEST, most)
         straight, turn = (
-            float(normal @ _velocity(pose, order, point)) for order in ((v, 0.0), (0.0, 1.0))
+            float(normal @ _velocity(pose, order, point))
+            for order in ((v, 0.0, 0.0), (0.0, 1.0, 0.0))
         )
         omega = -straight / turn if abs(turn) > 0.05 * robot.radius else 0.0
         share = min(1.0, most / (v + robot.radius * abs(omega)), TURNING / max(abs(omega), 1e-9))
-        orders = [(float(share * v), float(share * omega))]
+        orders = [_scaled((v, omega, 0.0), share)]
         return _back((robot,), (tuple(pose),), orders, time)._replace(lines=(line,))
 
     def obstacle(self) -> Layout:
@@ -339,8 +349,11 @@ class Draft:
     def _angle(self) -> float:
         return self.rng.uniform(-pi, pi)
 
-    def _order(self, robot: Footprint, most: float) -> Order:
-        """Random (v, omega): straight, on an arc, or turning on the spot; one in ten is slow."""
+    def _order(self, robot: Footprint, most: float) -> Twist:
+        """Random twist: straight, on an arc, or turning on the spot; one in ten is slow.
+
+        One in three goes some way that it does not face.
+        """
         rng = self.rng
         v = rng.uniform(0.1, 1.0) * min(FASTEST, most) * (1.0 if rng.random() < 0.8 else -1.0)
         omega = rng.uniform(-1.0, 1.0) * TURNING
@@ -352,7 +365,8 @@ class Draft:
         share = min(1.0, most / (abs(v) + robot.radius * abs(omega)))
         if rng.random() < 0.1:
             share *= 10.0 ** rng.uniform(-3.0, 0.0)
-        return float(share * v), float(share * omega)
+        way = self.sideways.uniform(-pi, pi) if self.sideways.random() < 1.0 / 3.0 else 0.0
+        return _scaled((v * cos(way), omega, v * sin(way)), share)
 
     def _hair(self) -> float:
         """Gap or overlap [m] of a graze: from 1e-11 to 1e-2, one in twenty exactly 0."""
@@ -375,22 +389,27 @@ class Draft:
 def _back(
     robots: tuple[Footprint, ...],
     poses: tuple[tuple[float, ...], ...],
-    orders: list[Order],
+    orders: list[Twist],
     time: float,
 ) -> Layout:
     """Robots that are at ``poses`` a time later, on their arcs."""
     start = [
-        arc(x, y, heading, *order, 0.0, -time)
+        arc(x, y, heading, *order, -time)
         for (x, y, heading), order in zip(poses, orders, strict=True)
     ]
     return Layout(robots, np.array(start), np.array(orders))
 
 
-def _velocity(pose: FloatArray, order: Order, point: FloatArray) -> FloatArray:
+def _scaled(order: Twist, share: float) -> Twist:
+    v, omega, lateral = order
+    return float(share * v), float(share * omega), float(share * lateral)
+
+
+def _velocity(pose: FloatArray, order: Twist, point: FloatArray) -> FloatArray:
     """Velocity [m/s] of a point that is fixed to a robot."""
-    v, omega = order
-    x, y = point[0] - pose[0], point[1] - pose[1]
-    return np.array((v * cos(pose[2]) - omega * y, v * sin(pose[2]) + omega * x))
+    v, omega, lateral = order
+    x, y, c, s = point[0] - pose[0], point[1] - pose[1], cos(pose[2]), sin(pose[2])
+    return np.array((v * c - lateral * s - omega * y, v * s + lateral * c + omega * x))
 
 
 KINDS: dict[str, Callable[[Draft], Layout]] = {
@@ -428,7 +447,8 @@ def draw_case(seed: int, number: int, origin: Place, store: Store) -> Case:
     """Draw one case: kind and time step follow from its number, all else from its stream."""
     kind = tuple(KINDS)[number % len(KINDS)]
     dt = TIME_STEPS[number // len(KINDS) % len(TIME_STEPS)]
-    draft = Draft(stream(seed, "crash test", number), origin, dt, store)
+    rng, sideways = stream(seed, "crash test", number), stream(seed, "crash test, ways", number)
+    draft = Draft(rng, sideways, origin, dt, store)
     for _ in range(TRIES):
         layout = KINDS[kind](draft)
         lines = (tuple(line[k : k + 2] for k in range(len(line) - 1)) for line in layout.lines)
@@ -462,17 +482,17 @@ def place_of(index: int) -> Place:
 
 def way_of(layout: Layout, dt: float) -> tuple[FloatArray, FloatArray]:
     """Waypoints (n, 3) and times (n,) [s] of the mover of a layout: its arc, for a whole case."""
-    (v, omega), duration = layout.command[1].tolist(), (STEPS + 1) * dt
+    (v, omega, lateral), duration = layout.command[1].tolist(), (STEPS + 1) * dt
     times = np.linspace(0.0, duration, 2 + int(0.5 * abs(omega) * duration))
     x, y, heading = layout.start[1].tolist()
-    poses = [arc(x, y, heading, v, omega, 0.0, time) for time in times.tolist()]
+    poses = [arc(x, y, heading, v, omega, lateral, time) for time in times.tolist()]
     return np.array(poses), times
 
 
 def case_world(case: Case, seed: int, reason: str) -> World:
     """World of a case; ``reason`` goes into its description."""
     layout = case.layout
-    (x, y), commands = case.origin, layout.command.tolist()
+    (x, y), commands = case.origin, layout.command
     movers, pushed = [], []
     if layout.second != "robot":
         commands, other = commands[:1], layout.robots[1]
@@ -487,7 +507,7 @@ def case_world(case: Case, seed: int, reason: str) -> World:
     square = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
     ring = [(x + i * HALF_WIDTH, y + j * HALF_WIDTH) for i, j in square]
     robots = []
-    for k, (v, omega) in enumerate(commands):
+    for k, (v, omega, lateral) in enumerate(commands.tolist()):
         px, py, heading = layout.start[k].tolist()
         robots.append({
             "name": f"robot {k + 1}",
@@ -497,6 +517,12 @@ def case_world(case: Case, seed: int, reason: str) -> World:
             "path": [(px, py), (px + cos(heading), py + sin(heading))],
             "limits": {"v": max(abs(v), LEAST), "omega": max(abs(omega), LEAST)},
         })  # fmt: skip
+        if lateral:
+            robots[k]["drive"] = {"type": "omni", "lateral": abs(lateral)}
+        elif v and case.number % 2:
+            steering = atan(WHEELBASE * abs(omega / v)) + LEAST
+            robots[k]["drive"] = {"type": "car", "wheelbase": WHEELBASE, "steering": steering}
+    columns = 3 if commands[:, 2].any() else 2
     values: dict[str, Any] = {
         "name": f"crash-{seed}-{case.number}",
         "description": f"Crash test, seed {seed}, case {case.number} ({case.kind}): {reason}",
@@ -505,7 +531,7 @@ def case_world(case: Case, seed: int, reason: str) -> World:
         "boundaries": [*(line.tolist() for line in layout.lines), [*ring, ring[0]]],
         "reference_path": [(x - 5.0, y - HALF_WIDTH + 1.0), (x + 5.0, y - HALF_WIDTH + 1.0)],
         "robots": robots,
-        "controller": {"type": "constant", "commands": commands},
+        "controller": {"type": "constant", "commands": commands[:, :columns].tolist()},
         "obstacles": [*(outline.tolist() for outline, *_ in layout.solids), *pushed],
         "movers": movers,
     }

@@ -15,7 +15,7 @@ from physim.compiled import compiled
 from physim.geometry.bodies import body_separation
 from physim.geometry.collision import collision_time_pair
 from physim.geometry.convex import Witness
-from physim.geometry.motion import move, twists
+from physim.geometry.motion import move
 from physim.geometry.shapes import FloatArray, IntArray, Rows3, Shapes, pack_parts
 from physim.geometry.swept import swept_time
 from physim.tolerances import CONTACT, ROUNDING
@@ -57,7 +57,7 @@ def pack(dt: float, cases: tuple[Case, ...]) -> Packed:
         pack_parts([robot.parts for robot in robots]),
         pack_parts([parts for case in cases for parts in case.walls]),
         np.concatenate([one.start for one in layouts]),
-        twists(np.concatenate([one.command for one in layouts])),
+        np.concatenate([one.command for one in layouts]),
         np.array([robot.mass for robot in robots]), first_robot, first_wall, dt,
     )  # fmt: skip
 

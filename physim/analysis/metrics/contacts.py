@@ -76,9 +76,9 @@ class Episode(Touch):
     """number of samples"""
     depth_step: int
     """the first sample that has the greatest depth"""
-    impact: float
-    """[N s] impulse of the first sample: the hit itself"""
-    impulse: float
+    impact: float | None
+    """[N s] impulse of the first sample: the hit itself; None where poses alone are known"""
+    impulse: float | None
     """[N s] all that the two exchange: the hit and the pushing after it, until they are apart"""
 
 
@@ -111,7 +111,8 @@ def contact_episodes(record: Record) -> tuple[Episode, ...]:
                 a, b, b < record.robots, step, step * record.dt, float(deepest["depth"]),
                 (float(mine["x"][0]), float(mine["y"][0])),
                 (float(mine["nx"][0]), float(mine["ny"][0])), len(mine), int(deepest["step"]),
-                float(run["impulse"][0]), float(run["impulse"].sum()),
+                *((None, None) if record.judged else
+                  (float(run["impulse"][0]), float(run["impulse"].sum()))),
             )
         )  # fmt: skip
     return tuple(sorted(episodes, key=lambda episode: (episode.step, episode.a, episode.b)))
@@ -147,10 +148,18 @@ class Deep:
     """[m] world frame, where it is deepest"""
     along: str
     """where along a wall, `physim.analysis.metrics.distances.along_wall`; empty between robots"""
+    judged: bool = False
+    """the poses are of a log, no run made them"""
 
     def sentence(self, names: Sequence[str]) -> str:
         """Who, where, when, how deep, and what it means; ``names`` by body id."""
         where = self.along.removeprefix("at ") or place_text(*self.place, 4)
+        if self.judged:
+            return (
+                f"NOT SOLID from {self.time:.2f} s on: {names[self.a]} and {names[self.b]} overlap "
+                f"by up to {1e3 * self.depth:.1f} mm (at {self.depth_time:.2f} s, {where}): poses "
+                "of the log, or footprints or walls of the world, are off by as much."
+            )
         return (
             f"NOT PHYSICAL from {self.time:.2f} s on: {names[self.a]} and {names[self.b]} sink "
             f"into each other by up to {1e3 * self.depth:.1f} mm (at {self.depth_time:.2f} s, "
@@ -170,7 +179,8 @@ def deep_contacts(record: Record) -> tuple[Deep, ...]:
         place = (float(worst["x"]), float(worst["y"]))
         begins, at = (int(step) * record.dt for step in (mine["step"].min(), worst["step"]))
         where = along_wall(record, b, place)
-        found.append(Deep(a, b, begins, allowed, float(worst["depth"]), at, place, where))
+        is_log = record.judged is not None
+        found.append(Deep(a, b, begins, allowed, float(worst["depth"]), at, place, where, is_log))
     return tuple(sorted(found, key=lambda one: (one.time, one.a, one.b)))
 
 
@@ -206,7 +216,7 @@ def severity(
     relative = one - other
     closing = max(0.0, float(relative @ normal))
     sliding = float(abs(relative @ np.array((-normal[1], normal[0]))))
-    if mass is None:
+    if mass is None or episode.impact is None:
         return Severity(closing, sliding, None, None)
     changes = tuple(episode.impact / float(mass[i]) for i in (a, b) if i < record.robots)
     material = section(record, "physics", Physics) or Physics()

@@ -16,7 +16,7 @@ import numpy as np
 import shapely
 
 from physim.analysis.metrics.metric import Moment, Series
-from physim.analysis.metrics.progress import blocks
+from physim.analysis.metrics.progress import blocks, twists_over
 from physim.errors import PhysimError
 from physim.geometry.queries import collision_times as times_of_pairs
 from physim.geometry.shapes import FloatArray, IntArray, body_parts
@@ -77,12 +77,14 @@ MOST_TIMES = 400_000
 
 
 def pair_collision_times(record: Record, horizon: float = HORIZON) -> tuple[Series, FloatArray]:
-    """Least collision time over all pairs of robots after every step with decisions.
+    """Least collision time over all pairs of robots after every step with decisions, or, of a log
+    that was judged, after every step.
 
     Time (K,) [s] and values (K,) [s], inf where no pair meets within ``horizon``; and the pairs
-    (K, 2) that would meet first. Each robot keeps the command applied to it then, on its arc.
+    (K, 2) that would meet first. Each robot keeps the command applied to it then, on its arc; of a
+    log the motion seen.
     """
-    steps = np.unique(record.updates["step"])
+    steps = record.steps if record.judged else np.unique(record.updates["step"])
     i, j = np.triu_indices(record.robots, 1)
     steps = steps[np.isin(steps, record.steps) & (steps < record.steps_run)]
     if not len(steps) or not len(i):
@@ -92,8 +94,7 @@ def pair_collision_times(record: Record, horizon: float = HORIZON) -> tuple[Seri
     for begin, end in blocks(record):
         mine = slice(*np.searchsorted(steps, (begin, end)))
         if mine.start < mine.stop:
-            command = record.commands_over("applied", begin, end)[steps[mine] - begin]
-            twist[mine, :, : command.shape[2]] = command
+            twist[mine] = twists_over(record, begin, end)[steps[mine] - begin]
     pose, shapes = record.pose[np.searchsorted(record.steps, steps)], record.shapes
     reach = np.hypot(twist[:, :, 0], twist[:, :, 2]) * horizon + shapes.radius[: record.robots]
     gap = np.hypot(*np.moveaxis(pose[:, i, :2] - pose[:, j, :2], 2, 0))
@@ -107,7 +108,7 @@ def pair_collision_times(record: Record, horizon: float = HORIZON) -> tuple[Seri
     first = np.argmin(times, axis=1)
     least = times[np.arange(len(steps)), first]
     who = np.where(np.isfinite(least)[:, None], np.stack((i[first], j[first]), axis=1), 0)
-    return Series(steps * record.dt, least), who
+    return Series(np.asarray(steps * record.dt), least), who
 
 
 def shortest_pair_collision_time(record: Record, horizon: float = HORIZON) -> Moment | None:

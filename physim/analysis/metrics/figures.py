@@ -15,7 +15,12 @@ import numpy as np
 
 from physim.analysis.metrics import contacts, modes, motion, progress
 from physim.analysis.metrics.contacts import Deep, Episode, Graze, Severity
-from physim.analysis.metrics.distances import Width, corridor_width, near_wall
+from physim.analysis.metrics.distances import (
+    Width,
+    corridor_width,
+    near_wall,
+    shortest_pair_collision_time,
+)
 from physim.analysis.metrics.metric import Definition, Metric, Moment, Place, Series
 from physim.analysis.metrics.progress import Absent
 from physim.analysis.metrics.registered import own_metrics
@@ -66,7 +71,9 @@ class Figures:
             return None
         mass = contacts.masses(self.record)
         found = [(one, contacts.severity(self.record, one, mass)) for one in self.episodes]
-        return max(found, key=lambda one: (one[1].closing, one[1].energy or 0.0, one[0].impulse))
+        return max(
+            found, key=lambda one: (one[1].closing, one[1].energy or 0.0, one[0].impulse or 0.0)
+        )
 
     @cached_property
     def nearest(self) -> Moment | None:
@@ -109,6 +116,12 @@ class Figures:
             return None
         row = self.record.updates[k := int(np.argmin(times))]
         return Moment.at(self.record, times[k], row["step"], row["robot"])
+
+    @cached_property
+    def seen_collision_time(self) -> Moment | None:
+        """The shortest collision time [s] of two robots that go on as a log shows them; None of a
+        run, where decisions tell more."""
+        return shortest_pair_collision_time(self.record) if self.record.judged else None
 
     @cached_property
     def absent(self) -> tuple[Absent, ...]:
@@ -326,6 +339,9 @@ DEFINITIONS = MappingProxyType({one.name: one for one in (
     Definition("shortest_collision_time", "s",
                "shortest collision time that a decision reported", "(11), Figs. 3c, 6d",
                lambda run: run.collision_time),
+    Definition("seen_collision_time", "s",
+               "of a log that was judged: shortest collision time of two robots that go on as they "
+               "are seen to move", "(11)", lambda run: run.seen_collision_time),
     Definition("formation_error_peak", "m", "largest size of a formation error at any sample",
                "(10), Figs. 2b, 7a", _formation_error),
     Definition("formation_error_final", "m",

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from physim.analysis.metrics.metric import Each, Series, section
 from physim.errors import PhysimError
+from physim.geometry.motion import twists
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 from physim.simulation.arrival import STILL_TIME, most_beside, still_distances
@@ -232,6 +233,23 @@ def blocks(record: Record) -> Iterator[tuple[int, int]]:
     size = max(1, MOST_COMMANDS // max(1, record.robots))
     for first in range(record.begun_at, record.steps_run, size):
         yield first, min(first + size, record.steps_run)
+
+
+def twists_over(record: Record, first: int, last: int) -> FloatArray:
+    """(last - first, N, 3) what each robot follows from steps ``first`` to ``last - 1`` on.
+
+    v [m/s], omega [rad/s], lateral [m/s]: its applied command; of a log that was judged the twist
+    that leads to the next step.
+    """
+    if record.judged is None:
+        command = record.commands_over("applied", first, last)
+        return twists(command.reshape(-1, command.shape[2])).reshape(*command.shape[:2], 3)
+    moved = np.diff(record.pose[first : last + 1], axis=0)
+    half = 0.5 * moved[..., 2]
+    middle, arc = record.pose[first:last, :, 2] + half, np.sinc(half / np.pi)
+    cos, sin = np.cos(middle) / arc, np.sin(middle) / arc
+    x, y, turn = np.moveaxis(moved, 2, 0)
+    return np.stack((cos * x + sin * y, turn, cos * y - sin * x), axis=-1) / record.dt
 
 
 def check_positive(name: str, value: float) -> None:

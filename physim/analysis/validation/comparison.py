@@ -263,6 +263,8 @@ def _swept_contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Find
         elif row["phase"] != Phase.BEGAN or row["impulse"] != 0.0:
             cause = UNEXPLAINED
             what = "touching between two samples, with a push or another phase than began"
+        if cause == GRAZE and record.judged is not None:
+            continue  # no engine overlooked it
         time = (step - 1) * record.dt + (record.dt if graze is None else float(graze["entry"]))
         yield Finding(what, (a, b), step, time, 1, least, cause)
 

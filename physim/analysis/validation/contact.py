@@ -46,10 +46,10 @@ class Contact:
     """[s]"""
     lasting: bool = False
     """still in contact at the end of the record"""
-    first_impulse: float = 0.0
+    first_impulse: float | None = 0.0
     """[N s] at the first sample: the impact"""
-    impulse: float = 0.0
-    """[N s] in all"""
+    impulse: float | None = 0.0
+    """[N s] in all; both are None of a log that was judged"""
     sides: tuple[RobotInContact, ...]
     """the robots, a first"""
     also_touching: tuple[int, ...] = ()
@@ -69,13 +69,15 @@ class Contact:
     def hardness(self) -> tuple[float, float, float]:
         """Greater for the worse contact: closing speed, then energy lost, then impulse."""
         closing = 0.0 if math.isnan(self.severity.closing) else self.severity.closing
-        return closing, self.severity.energy or 0.0, self.impulse
+        return closing, self.severity.energy or 0.0, self.impulse or 0.0
 
 
 def swept_contacts(record: Record, table: DecisionTable) -> tuple[Contact, ...]:
     """Every recorded contact between two samples, in the order of time."""
-    found = enumerate(Figures(record).grazes, 1)
-    return tuple(_contact(record, table, one, number=number) for number, one in found)
+    found, more = enumerate(Figures(record).grazes, 1), {}
+    if record.judged is not None:
+        more = dict.fromkeys(("first_impulse", "impulse"))
+    return tuple(_contact(record, table, one, number=number, **more) for number, one in found)
 
 
 def contacts_of(

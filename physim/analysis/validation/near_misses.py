@@ -14,6 +14,7 @@ import numpy as np
 
 from physim.analysis.metrics import Figures, Moment
 from physim.analysis.metrics.distances import near_wall
+from physim.analysis.metrics.progress import twists_over
 from physim.analysis.validation.analytic_contacts import (
     FULL,
     AnalyticContacts,
@@ -31,6 +32,8 @@ from physim.record import Record
 MOST_LISTED = 10
 LOOK = 3.0
 """[s] Collision times beyond this are no near miss."""
+SEEN_EVERY = 0.1
+"""[s] between moments at which the robots of a log that was judged are looked at"""
 DECIDED = np.dtype([("step", "<i8"), ("robot", "<i8")])
 """Who decided when: the same type whatever columns a controller declares, for the kernel."""
 
@@ -152,18 +155,25 @@ def decision_times(
 
 def _times(record: Record, table: DecisionTable) -> tuple[IntArray, FloatArray]:
     """Step, a and b (M, 3) of the smallest collision time of each pair, and that (M,) [s]."""
-    decided = np.zeros(len(record.updates), dtype=DECIDED)
-    for name in DECIDED.names or ():
-        decided[name] = record.updates[name]
+    if record.judged is None:
+        decided = np.zeros(len(record.updates), dtype=DECIDED)
+        for name in DECIDED.names or ():
+            decided[name] = record.updates[name]
+    else:
+        steps = np.arange(0, record.steps_run, max(1, round(SEEN_EVERY / record.dt)))
+        decided = np.zeros(len(steps) * record.robots, dtype=DECIDED)
+        decided["step"] = np.repeat(steps, record.robots)
+        decided["robot"] = np.tile(np.arange(record.robots), len(steps))
     found, room = [(np.zeros((0, 3), dtype=np.int64), np.zeros(0))], Room()
     for poses, start in pose_blocks(record):
         end = start + len(poses) - 1
         rows = decided[slice(*np.searchsorted(decided["step"], [start, end]))]
         step, robot = (rows[name].astype(np.int64) for name in ("step", "robot"))
-        twist = read_only(table.held_over(start, end).reshape(-1, 3))
+        twist = table.held_over(start, end)
+        twist[:, : record.robots] = twists_over(record, start, end)
         scan = partial(
             decision_times, step, robot, len(rows), poses.reshape(-1, 3), record.moving, start,
-            twist, record.shapes, record.walls, len(record.walls.radius), LOOK,
+            read_only(twist.reshape(-1, 3)), record.shapes, record.walls, len(record.walls.radius), LOOK,
         )  # fmt: skip
         found.append(room.filled(scan, 1))
     who, values = (np.concatenate(some) for some in zip(*found, strict=True))

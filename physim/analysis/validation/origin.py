@@ -102,20 +102,23 @@ def compare_with_world(record: Record, inside: Inside) -> tuple[Finding, ...]:
     Seed, step, names, footprints, walls, paths, areas, leads, start poses and what the controller
     declares. Lengths and angles must agree within `LENGTH`, the edges of areas within `AREA`.
     """
-    scene, controller = inside.scene, inside.controller
+    judged = record.judged is not None  # no controller of the world's did anything
+    scene, controller = inside.scene, None if judged else inside.controller
     distance = record.safe_distance if controller is None else kept_distance(controller)
     writer = RecordWriter(
         None, scene, record.world_text, safe_distance=distance,
-        accessible=scene.area.accessible_rings, safe=scene.area.safe_rings(record.safe_distance),
+        accessible=scene.area.accessible_rings,
+        safe=() if judged else scene.area.safe_rings(record.safe_distance),
         declared=record.declared if controller is None else Declared.of(controller),
     )  # fmt: skip
     writer.close("interrupted", steps_run=0, rejected=0, wall_clock={})
     with writer.record() as start:
         found = [
-            *unlike_attributes(record, start, SAME, BY),
+            *unlike_attributes(record, start, SAME[:2] if judged else SAME, BY),
             *unlike_scene(record, start, PATHS, BY, exact=False),
         ]
-        if record.moving == start.moving and record.samples and not record.begun_at:
+        own_start = record.samples and not record.begun_at and not judged
+        if record.moving == start.moving and own_start:
             pose = record.read("/steps/pose", 0, 1), scene.moving_start[None]
             first = first_difference(record, "/steps/pose", *pose, BY, False, record.steps)
             found += [] if first is None else [first]

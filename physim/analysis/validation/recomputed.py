@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from physim.analysis.metrics.progress import blocks
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.finding import Finding, first_difference, unlike, unlike_rows
 from physim.analysis.validation.origin import Inside
@@ -24,11 +25,10 @@ from physim.errors import ControllerError
 from physim.parts.declarations import Declared
 from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, shipped_parts
 from physim.record import Record
-from physim.record.layout import COMMAND_STAGES, OPTIONAL, OTHERS
+from physim.record.layout import COMMAND_STAGES, OPTIONAL, OTHERS, PARTS
+from physim.simulation.driving import applied_of, followed
 from physim.tolerances import SHARE
 from physim.units import joined
-
-PARTS = ("v", "omega")
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,8 @@ def _check_commands(record: Record, table: DecisionTable, inside: Inside) -> Ite
     last = table.last_rows(commands["robot"], commands["step"])
     inherited = (last < 0) & (record.begun_at > 0)  # held from before the record began
     alike = ~inherited
-    for part in PARTS:
+    driven = inside.scene.drives if inside.fits(record) else ()
+    for part in PARTS[: record.columns]:
         exact = rows[f"nominal_{part}"].copy()
         decided = np.append(exact, 0.0)[last]  # row -1: 0 before the first decision
         decided[inherited] = commands[f"nominal_{part}"][inherited]
@@ -81,7 +82,7 @@ def _check_commands(record: Record, table: DecisionTable, inside: Inside) -> Ite
             ("nominal", len(rows) > 0, "by the last decision of that robot"),
             ("filtered", FILTER.word not in stages,
              "by the nominal command: there is no filter"),
-            ("applied", DISTURBANCE.word not in stages,
+            ("applied", DISTURBANCE.word not in stages and not driven,
              "by the filtered command: there is no disturbance"),
         )):  # fmt: skip
             wrong, column = values[k + 1] != values[k], f"{stage}_{part}"
@@ -94,11 +95,40 @@ def _check_commands(record: Record, table: DecisionTable, inside: Inside) -> Ite
     for name, some, held in (
         ("/updates", rows, ("nominal",)), ("/commands", commands, ("nominal", "filtered"))
     ):  # fmt: skip
-        for k, part in enumerate(PARTS if inside.fits(record) else ()):
+        for k, part in enumerate(PARTS[: record.columns] if inside.fits(record) else ()):
             limit = inside.scene.limits[some["robot"], k]
             for column in (f"{stage}_{part}" for stage in held):
                 wrong = ~(np.abs(some[column]) <= limit * (1.0 + SHARE))
                 yield from unlike_rows(record, name, column, some, limit, by, wrong)
+    if driven and record.begun_at == 0:
+        yield from _check_drives(record, inside, DISTURBANCE.word in stages)
+
+
+def _check_drives(record: Record, inside: Inside, is_disturbed: bool) -> Iterator[Finding]:
+    """Hold applied commands and steering against what the drives make of the filtered commands.
+
+    Disturbances stand behind the drives: of a run that had some the steering alone is told.
+    """
+    scene, begin = inside.scene, 0
+    state = np.zeros((record.robots, 4))
+    for begin, end in blocks(record):
+        over = (record.commands_over(stage, begin, end) for stage in ("filtered", "applied"))
+        for step, (filtered, applied) in enumerate(zip(*over, strict=True), start=begin):
+            state = followed(scene, filtered, state, step * record.dt)
+            found = (
+                [] if is_disturbed else [("applied command", applied_of(state, filtered), applied)]
+            )
+            row = int(np.searchsorted(record.steps, step + 1))
+            if scene.steers and row < record.samples and record.steps[row] == step + 1:
+                found.append(("steering", state[:, 3:], record.steering[row][:, None]))
+            for what, due, told in found:
+                for i in np.flatnonzero((due != told).any(axis=1))[:1].tolist():
+                    text = (
+                        f"its {what} is {told[i].tolist()} in the record, {due[i].tolist()} by its "
+                        "drive from the filtered commands"
+                    )
+                    yield Finding(text, (i,), step, step * record.dt)
+                    return
 
 
 def _check_counts(record: Record) -> Iterator[Finding]:

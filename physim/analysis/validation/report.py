@@ -46,7 +46,8 @@ def report(validation: Validation, full: bool = False) -> str:
         _contacts(validation, full),
         [*_checks(validation, full), *_disagreements(validation)],
         _expectations(validation, full),
-        *([_predictions(validation), _near_misses(validation)] if full else []),
+        *([_predictions(validation)] if full and validation.run.setup.judged is None else []),
+        *([_near_misses(validation)] if full else []),
         [*warning_lines(validation), f"verdict: {validation.verdict}"],
     ]
     return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
@@ -72,6 +73,9 @@ def _head(validation: Validation, full: bool) -> list[str]:
     if kind in dict(run.given) and len(run.setup.controllers) == 1:  # else the module tells
         controller += ", given from Python"
     begun = f"begun at {run.begun:.2f} s, " if run.begun else ""
+    end = f"of at most {run.planned:g} s, step {run.dt:g} s; {ENDS.get(run.ended, run.ended)}"
+    if run.setup.judged is not None:
+        end = f"of the log, step {run.dt:g} s"
     lines = [
         "COLLISION SAFETY REPORT",
         f"  run         {run.name}, seed {run.seed}: {plural(run.robots, 'robot')}, {walls}",
@@ -81,8 +85,7 @@ def _head(validation: Validation, full: bool) -> list[str]:
             for label, text in ((kind, controller), *stages)
             for line in wrapped(f"{label:<11} {text}", "  ", 14 * " ")
         ),
-        f"  time        {begun}{run.seconds:.2f} s of at most {run.planned:g} s, step "
-        f"{run.dt:g} s; {ENDS.get(run.ended, run.ended)}",
+        f"  time        {begun}{run.seconds:.2f} s {end}",
     ]
     made = run.setup.made_with
     return [*lines, f"  made by     {made}"] if made and full else lines
@@ -109,12 +112,13 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
     )
     lines = wrapped(head, "", "  ")
     if swept := len(validation.grazes):
-        lines.append(f"  {swept} of them between samples, where the engine does not look")
+        why = "where the engine does not look" if run.setup.judged is None else "apart at both"
+        lines.append(f"  {swept} of them between samples, {why}")
     pairs: dict[tuple[int, int], list[Contact]] = {}
     for one in every:
         pairs.setdefault((one.a, one.b), []).append(one)
     lines += _pair_rows(pairs, names, len(pairs) if full else MOST_PAIRS)
-    kinds = {run.bodies[one.b].kind for one in every}
+    kinds = {run.bodies[one.b].kind for one in every} if run.setup.judged is None else set()
     if not kinds.isdisjoint(STANDING):
         lines.append("  With a boundary or obstacle the robot is responsible: it must keep clear.")
     if "mover" in kinds:
@@ -162,16 +166,25 @@ def _pair_rows(
             f"  {sum(one.duration for one in some):>8.2f} s"
             f"  {speed:>8}"
             f"  {length(max(one.depth for one in some)):>7}"
-            f"  {amount(sum(one.impulse for one in some), 'N s', 0):>13}"
+            f"  {_impulses(some):>13}"
             f"   {joined([names[i] for i in who] or [''])}".rstrip()
         )
     left = len(pairs) - most
     return [*lines, f"  and {left} more pairs"] if left > 0 else lines
 
 
+def _impulses(some: list[Contact]) -> str:
+    """All that two bodies exchanged; of a log that is not known."""
+    known = [one.impulse for one in some if one.impulse is not None]
+    return amount(sum(known), "N s", 0) if known else "-"
+
+
 def _checks(validation: Validation, full: bool) -> list[str]:
     """What was checked, and the result; in full with the tables of the ledgers."""
     comparison, motion, done = validation.comparison, validation.motion, validation.recomputed
+    if validation.run.setup.judged is not None:
+        told = "CHECKS: contacts against exact distances of the poses, every pair at every step"
+        return [told, *(["  A single robot: there are no pairs."] * (validation.run.robots == 1))]
     lines = ["CHECKS: physical contacts against exact distances, every pair at every step"]
     if full:
         lines += [
@@ -327,12 +340,17 @@ def _near_misses(validation: Validation) -> list[str]:
         if not some:
             yield "    none"
 
+    held = [
+        "  smallest collision times of any two bodies under the commands that both hold, below "
+        f"{LOOK:g} s",
+        "  (the summary has the one with the robots considered, under the command chosen)",
+    ]
+    if validation.run.setup.judged is not None:
+        held = [f"  smallest collision times of two bodies that go on as seen, below {LOOK:g} s"]
     return [
         "NEAR MISSES (of pairs that never touched, the smallest of each)",
         f"  smallest distances, below {near.reach:.2f} m",
         *rows(near.distances, "m", 4),
-        f"  smallest collision times of any two bodies under the commands that both hold, below "
-        f"{LOOK:g} s",
-        "  (the summary has the one with the robots considered, under the command chosen)",
+        *held,
         *rows(near.times, "s", 3),
     ]

@@ -177,8 +177,13 @@ def robots_in_contact(
     if not later:  # they changed places between their last decisions
         later = [max(robots, key=lambda i: -table.reference_station(i, step))]
     ruled = later if len(robots) == 1 else [i for i in later if has_priority(record, i)]
-    pushed = {i: pushed_by(record, table, i, touch) for i in ruled}
-    if ruled:
+    pushed: dict[int, int | None] = {}
+    charged: set[int] = set()
+    if record.judged is None:
+        pushed = {i: pushed_by(record, table, i, touch) for i in ruled}
+    if record.judged is not None:
+        pass  # poses do not tell who was commanded to do what
+    elif ruled:
         charged = {i if by is None else by for i, by in pushed.items()}
     else:  # no rule says who; facts may
         order = [*later, *(i for i in robots if i not in later)]

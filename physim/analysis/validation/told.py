@@ -53,10 +53,12 @@ def _how_hard(one: Contact, names: Sequence[str]) -> str:
     lasts = f"It lasts {one.duration:.2f} s"
     if one.lasting:
         lasts = f"It lasts to the end of the run, {one.duration:.2f} s"
-    said = (
-        f"{lasts}, {length(one.depth)} deep; impulse {amount(one.first_impulse, 'N s', 1)} at "
-        f"first, {amount(one.impulse, 'N s', 1)} in all"
-    )
+    said = f"{lasts}, {length(one.depth)} deep"
+    if one.first_impulse is not None and one.impulse is not None:
+        said += (
+            f"; impulse {amount(one.first_impulse, 'N s', 1)} at first, "
+            f"{amount(one.impulse, 'N s', 1)} in all"
+        )
     hit = one.severity
     if hit.changes is None or hit.energy is None:
         return f"{said}."
@@ -99,6 +101,8 @@ def _decided(side: RobotInContact, one: Contact, names: Sequence[str]) -> str:
         moved = f"{names[side.body]} stood by command"
         if side.responsible:
             moved += ", and the record shows no robot that pushed it"
+    if one.impulse is None:  # of a log nothing more is known
+        return f"{moved}."
     if side.decided is None:
         return f"{moved}; it had made no decision yet."
     touched = one.time if one.prediction is None else one.prediction.touched

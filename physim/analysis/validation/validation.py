@@ -51,6 +51,10 @@ from physim.world.faults import describe
 from physim.world.scene import Body
 
 NOT_ASKED = "not asked for"
+NO_COMMANDS = (
+    "whether robots moved as commanded, their decisions, and the run simulated again: no run made "
+    "these poses, and a log tells no commands"
+)
 
 FREE, CONTACTS, DISAGREE = 0, 1, 3
 """Exit codes of the verdict."""
@@ -260,7 +264,11 @@ def judge(
     if without is None and len(whole.contacts) and (names := disturbing(whole)):
         without = Undisturbed(names, why_not=why_not or NOT_ASKED)
     is_again = whole is again or (rerun is not None and rerun.exact)
-    recomputed = recompute(record, whole, inside, table, is_again)
+    if record.judged is None:
+        recomputed = recompute(record, whole, inside, table, is_again)
+        motion = check_motion(whole, table, inside.scene if inside.fits(whole) else None)
+    else:
+        recomputed, motion, why_not = Recomputed(0, 0, (NO_COMMANDS,), ()), Motion(0, 0, (), ()), ""
     parted = whole is again and rerun is not None and not rerun.whole
     if not parted:
         distances += check_extremes(record, whole, analytic, exact)
@@ -272,7 +280,7 @@ def judge(
         compare(whole, analytic, distances),
         contacts_of(whole, analytic, table, Predictor(whole, table)),
         swept_contacts(whole, table), near_misses(whole, analytic, table),
-        check_motion(whole, table, inside.scene if inside.fits(whole) else None),
+        motion,
         compare_with_world(record, inside), recomputed, tuple(expectations(whole)),
         Figures(whole).deep, rerun, without,
     )  # fmt: skip
@@ -284,7 +292,8 @@ def missing(record: Record) -> str:
         return f"poses of one step in {record.record_every} only"
     if record.noted_until > record.steps_run:
         return "no samples of the last steps of which it tells"
-    tables = [table for table in OPTIONAL if table not in record.tables]
+    needed = OPTIONAL if record.judged is None else ("contacts",)
+    tables = [table for table in needed if table not in record.tables]
     return f"no table {', '.join(tables)}" if tables else ""
 
 
@@ -304,7 +313,7 @@ def check_complete(record: Record) -> None:
 def _run(record: Record, whole: Record, source: str) -> Run:
     """What was run, as the record says; how long, as that says which has every sample."""
     controller = record.controller_name or "not named in the record"
-    if len(record.setup.controllers) > 1:
+    if len(record.setup.controllers) > 1 or record.judged is not None:
         controller = record.setup.controller_names
     return Run(
         record.name, source, record.seed, controller, record.bodies, record.robots, record.dt,

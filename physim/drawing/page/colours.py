@@ -39,6 +39,7 @@ DARK: MappingProxyType[str, Colour] = MappingProxyType(
         "wall": (214, 219, 226),
         "obstacle": (110, 116, 124),
         "reference": (138, 145, 154),
+        "way": (190, 176, 60),
         "band": (146, 164, 196),
         "link": (122, 178, 238),
     }

@@ -31,7 +31,7 @@ def pack_curves(timeline: Timeline, pack: Pack) -> dict[str, Any]:
     first = np.unique(bins.astype(np.int64))
     pack.whole("bin", record.steps[first])
     clearance, walls = record.clearance, record.boundary_clearance
-    if timeline.robots > 1:
+    if timeline.moving > 1:
         pack.real("pair", np.minimum.reduceat(clearance.min(axis=1), first), LENGTH)
     has_walls = bool(np.isfinite(walls).any())
     if has_walls:
@@ -41,14 +41,16 @@ def pack_curves(timeline: Timeline, pack: Pack) -> dict[str, Any]:
     at = np.unique(np.linspace(0, samples - 1, count).astype(np.int64))
     pack.whole("now", record.steps[at])
     clearance, walls = timeline.distances_at(at)
-    if timeline.robots > 1:
+    if timeline.moving > 1:
         nearest = np.sort(np.argsort(clearance, axis=1, kind="stable")[:, :2], axis=1)
+        if timeline.scene.moved:  # the closest two need not be two robots
+            nearest = timeline.closest_at(at)
         pack.real("now_pair", clearance.min(axis=1), LENGTH)
         pack.whole("now_a", nearest[:, 0])
         pack.whole("now_b", nearest[:, 1])
     pack.real("now_wall", walls.min(axis=1), LENGTH)
     return {
-        "pair": timeline.robots > 1,
+        "pair": timeline.moving > 1,
         "wall": has_walls,
         "times": _pack_times(timeline, first, pack),
         "error": _pack_errors(timeline, pack),

@@ -52,6 +52,7 @@ MOMENTS = (
     ("shortest_distance", "shortest distance"),
     ("shortest_boundary_distance", "nearest to a wall"),
     ("shortest_collision_time", "shortest collision time"),
+    ("seen_collision_time", "shortest collision time, if both go on"),
     ("first_contact", "first contact"),
     ("deepest_contact", "deepest contact"),
     ("formation_error_peak", "largest formation error"),
@@ -104,6 +105,7 @@ def run_data(
         ],
         "explained": timeline.explained_modes,
         "modeless": timeline.modeless,
+        **({} if record.judged is None else {"judged": True}),
         "columns": [vars(column) for column in record.declared.columns],
         "signs": list(signs(timeline, ground(timeline))),
         "drivers": [one._asdict() for one in timeline.drivers],
@@ -119,7 +121,11 @@ def run_data(
     }
     grid, turn = (CROWD_GRID, CROWD_TURN) if crowd else (GRID, TURN)
     quanta = np.array((grid, grid, turn))
-    knots = find_knots(record.pose, timeline.time, quanta, tolerance, timeline.scene.reach)
+    scene = timeline.scene
+    pose, reach = record.pose, scene.reach
+    if scene.moved:
+        pose, reach = record.moving_pose, record.shapes.radius
+    knots = find_knots(pose, timeline.time, quanta, tolerance, reach)
     pack.whole("knots", knots.counts)
     pack.whole("knot_step", record.steps[knots.row])
     for k, name in enumerate(("knot_x", "knot_y", "knot_heading")):
@@ -145,7 +151,9 @@ def _check_room(record: Record) -> None:
 
 
 def _range(record: Record) -> float | None:
-    """Sensing range [m]; None where the world inside is faulty."""
+    """Sensing range [m]; None where the world inside is faulty, and of a log."""
+    if record.judged is not None:
+        return None
     try:
         return float(record.world.sensing_range)
     except PhysimError:
@@ -156,7 +164,7 @@ def place(scene: SceneModel) -> dict[str, Any]:
     """What does not move as plain values, lengths [m], world frame unless said.
 
     Each path is there once: who follows it, -1 for all of a crowd, and its pieces in the safe area
-    and outside of it. So is every different footprint, in the robot's frame.
+    and outside of it. So is every different footprint, in its own frame, and the way of each mover.
     """
     drawn = items(scene)
     paths: dict[tuple[int, ...], dict[str, Any]] = {}
@@ -165,7 +173,12 @@ def place(scene: SceneModel) -> dict[str, Any]:
             robots = list(item.robots) if len(item.robots) <= NAMED else [-1]
             pieces = paths.setdefault(item.robots, {"robots": robots, "safe": [], "danger": []})
             pieces["danger" if item.dash else "safe"] += map(_points, item.lines)
-    shapes = list(dict.fromkeys(scene.shapes))
+    moving = *scene.shapes, *scene.moved_shapes
+    shapes = list(dict.fromkeys(moving))
+    ways = [
+        {"robots": [scene.robots + k], "safe": list(map(_points, way)), "danger": []}
+        for k, way in enumerate(scene.ways)
+    ]
     number = {shape: k for k, shape in enumerate(shapes)}
     return {
         "areas": [
@@ -176,7 +189,7 @@ def place(scene: SceneModel) -> dict[str, Any]:
         "walls": [_points(line) for line in scene.boundaries],
         "obstacles": [_points(ring) for ring in scene.solid_rings],
         "reference": _points(scene.reference),
-        "paths": list(paths.values()),
+        "paths": [*paths.values(), *ways],
         "stops": _points(scene.stops),
         "shapes": [
             {
@@ -186,7 +199,7 @@ def place(scene: SceneModel) -> dict[str, Any]:
             }
             for one in shapes
         ],
-        "shape": [number[shape] for shape in scene.shapes],
+        "shape": [number[shape] for shape in moving],
         "extent": _points(scene.extent),
         "bodies": [{"kind": body.kind, "name": clean(body.name)} for body in scene.bodies],
     }

@@ -68,6 +68,7 @@ PRIORITY = MappingProxyType(
     }
 )
 """By controller: whom a robot has to look at"""
+WHEREVER = " It considers movers and obstacles to push wherever they are."
 
 
 def explanations(record: Record) -> dict[str, Any]:
@@ -77,6 +78,9 @@ def explanations(record: Record) -> dict[str, Any]:
     drivers = [_driver(*one) for one in controllers]
     if len(drivers) == 1:
         drivers[0]["robots"] = None
+    if record.moving > record.robots:
+        for driver in drivers:
+            driver["priority"] += WHEREVER if driver["priority"] else ""
     return {
         "controller": record.setup.controller_names,
         "rules": [_rule(rule, prose) for rule in record.declared.rules],

@@ -12,9 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from physim.analysis.metrics import Figures
+from physim.analysis.metrics.distances import pair_collision_times
 from physim.contacts import Kind, Phase
 from physim.drawing.plots.distances import mark_contacts
 from physim.drawing.plots.frame import (
+    POSES_ONLY,
     USUAL,
     Paper,
     finished,
@@ -129,6 +131,8 @@ def collision_times(record: Record, paper: Paper = USUAL) -> Any:
     A mark a decision. Of more than `MOST_SINGLE` robots, below: a row a robot in shades of its
     shortest, with the least of the run at the end. The shortest of all is marked.
     """
+    if record.judged is not None:
+        return _seen_times(record, paper)
     times = record.column("collision_time", absent=np.nan)
     rows = record.updates[times <= LARGEST]
     shortest = Figures(record).collision_time if len(rows) else None
@@ -155,6 +159,28 @@ def collision_times(record: Record, paper: Paper = USUAL) -> Any:
     text = f"{shortest.value:.3g} s ({names_of(record, [shortest.a])})"
     mark(axis, shortest.time, max(shortest.value, FLOOR), text, below=True)
     return finished(figure, handles)
+
+
+def _seen_times(record: Record, paper: Paper) -> Any:
+    """Of a log: the least of all pairs of robots that go on as seen."""
+    title = "Collision times of robots that go on as seen"
+    figure = framed(record, title, paper=paper, height=2.6, width=NARROW)
+    axis = figure.subplots()
+    time_axis(axis, record)
+    axis.set_ylabel("collision time [s]")
+    (time, least), _ = pair_collision_times(record)
+    shortest = Figures(record).seen_collision_time
+    if shortest is None:
+        nothing(axis, "no two robots headed for a collision")
+        return figure
+    least = np.where(np.isfinite(least), np.maximum(least, FLOOR), np.nan)
+    axis.plot(time, least, color=BAND, linewidth=0.9, label="least of all pairs")
+    _seconds(axis, shortest.value, float(np.nanmax(least)))
+    mark_contacts([axis], record)
+    who = names_of(record, list(shortest.bodies))
+    mark(axis, shortest.time, max(shortest.value, FLOOR), f"{shortest.value:.3g} s ({who})",
+         below=True)  # fmt: skip
+    return finished(figure, axis.get_legend_handles_labels()[0])
 
 
 def _seconds(axis: Any, shortest: float, longest: float) -> None:
@@ -243,7 +269,9 @@ def prediction(record: Record, paper: Paper = USUAL) -> Any:
         why = "no contact was foreseen" if len(began) else "no contact"
         if len(began) and np.isnan(record.column("collision_time", absent=np.nan)).all():
             why = "the controller reports\nno collision times"
-        if len(contacts) and not len(began):
+        if record.judged is not None:
+            why = POSES_ONLY
+        elif len(contacts) and not len(began):
             why = "no contact at a sample,\ncontacts between samples only"
         nothing(axis, why)
         return figure

@@ -101,12 +101,14 @@ def _pairs(axis: Any, record: Record) -> list[Any]:
     if record.robots < 2 or not record.samples:
         nothing(axis, "one robot alone" if record.robots == 1 else "no sample was recorded")
         return []
+    is_alone = record.moving == record.robots
     if record.robots * (record.robots - 1) // 2 > MOST_PAIRS:
         rows = np.unique(np.linspace(0, record.samples - 1, 1000).astype(int))
         handles = draw_bands(
-            axis, record.time[rows], record.clearance[rows], "nearest-robot distances"
-        )
-        axis.set_ylabel("to the nearest robot [m]")
+            axis, record.time[rows], record.clearance[rows],
+            "nearest-robot distances" if is_alone else "distances to the nearest that moves",
+        )  # fmt: skip
+        axis.set_ylabel("to the nearest robot [m]" if is_alone else "to the nearest [m]")
     else:
         (time, values), _ = pair_distances(record)
         if values.shape[1] <= FEW_PAIRS:
@@ -131,8 +133,9 @@ def _pairs(axis: Any, record: Record) -> list[Any]:
 def _least(axis: Any, record: Record) -> list[Any]:
     """Least distance over all robots to another robot and to a wall; a ring is at each minimum."""
     run = Figures(record)
+    others = "robot to robot" if record.moving == record.robots else "robot to what moves"
     curves = (
-        (record.clearance, INK, "robot to robot", run.nearest),
+        (record.clearance, INK, others, run.nearest),
         (record.boundary_clearance, WIDTHS, "robot to wall", run.nearest_wall),
     )
     handles: list[Any] = []

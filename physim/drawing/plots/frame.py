@@ -166,6 +166,10 @@ def names_of(record: Record, bodies: Sequence[int | None]) -> str:
     return " and ".join(short(record.bodies[i].name) for i in bodies if i is not None)
 
 
+POSES_ONLY = "the poses of a log do not tell"
+"""Why nothing is drawn of decisions"""
+
+
 def nothing(axis: Any, why: str) -> None:
     """Say in the middle of an axis that there is nothing to draw, and why."""
     axis.text(

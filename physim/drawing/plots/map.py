@@ -16,7 +16,7 @@ from physim.contacts import Kind, Phase
 from physim.drawing import palette
 from physim.drawing.crowd import MOST_LINES, NAMED
 from physim.drawing.drivers import MOST_DRIVERS, drivers_of, marks_of, owner_of
-from physim.drawing.items import Item, Level, items
+from physim.drawing.items import PUSHED, Item, Level, items
 from physim.drawing.labels import round_step, significant
 from physim.drawing.palette import hexed
 from physim.drawing.plots.frame import (
@@ -116,7 +116,8 @@ def frame_map(axis: Any, low: FloatArray, high: FloatArray) -> None:
 
 
 def _framed_run(axis: Any, scene: SceneModel, record: Record) -> None:
-    cloud = np.concatenate((np.array(scene.extent), record.pose[:, :, :2].reshape(-1, 2)))
+    pose = record.moving_pose if scene.moved else record.pose
+    cloud = np.concatenate((np.array(scene.extent), pose[:, :, :2].reshape(-1, 2)))
     frame_map(axis, cloud.min(axis=0), cloud.max(axis=0))
 
 
@@ -164,7 +165,8 @@ def trajectories(record: Record, every: float | None = None, paper: Paper = USUA
     every = snapshot_interval(record) if every is None else every
     count = min(int((timeline.duration - timeline.begin) / every + 1e-9) + 1, MOST_SNAPSHOTS)
     at = np.unique(timeline.sample(timeline.begin + every * np.arange(count)))
-    handles += _courses(axis, record) + _snapshots(axis, timeline, at) + _contacts(axis, record)
+    handles += _courses(axis, record) + _moved(axis, timeline, at)
+    handles += _snapshots(axis, timeline, at) + _contacts(axis, record)
     handles += map(driver_handle, drivers[:MOST_DRIVERS])
     axis.set_title(f"robots every {every:g} s", loc="right", fontsize=8.5)
     finished(figure, handles)
@@ -205,6 +207,24 @@ def _courses(axis: Any, record: Record) -> list[Any]:
                   label=short(record.names[i]) + marks[i])[0]
         for i, course in enumerate(courses)
     ]  # fmt: skip
+
+
+def _moved(axis: Any, timeline: Timeline, at: IntArray) -> list[Any]:
+    """What moves beside the robots at samples ``at``, and the names of movers."""
+    from matplotlib.collections import PolyCollection
+
+    scene, handles = timeline.scene, []
+    poses = timeline.record.moving_pose[at][:, timeline.robots :] if scene.moved else ()
+    outlines = [one.rings[0] for one in scene.moved_shapes]
+    called = short(", ".join(scene.mover_names), LONGEST)
+    for key, word in (("mover", called), ("obstacle", PUSHED)):
+        which = [k for k, kind in enumerate(scene.moved_keys) if kind == key]
+        shapes = [placed(outlines[k], pose[k]) for pose in poses for k in which]
+        if shapes:
+            bodies = PolyCollection(shapes, facecolor=hexed(palette.KEYS[key]), edgecolor=INK,
+                                    linewidth=0.6, zorder=2.5, label=word, gid=key)  # fmt: skip
+            handles.append(axis.add_collection(bodies, autolim=False))
+    return handles
 
 
 def _snapshots(axis: Any, timeline: Timeline, at: IntArray) -> list[Any]:
@@ -376,7 +396,7 @@ RIM = 0.15
 
 def draw_start(axis: Any, scene: SceneModel, names: Sequence[str], course: FloatArray,
                widths: Widths) -> list[Any]:  # fmt: skip
-    """Draw the map of a world before it is run, with the names (N,) of its robots.
+    """Draw the map of a world before it is run, with the names of its robots, then of movers.
 
     And a tick every round number of metres along the ``course`` (n, 2) of the first robot.
     """
@@ -425,18 +445,23 @@ def _stations(axis: Any, course: FloatArray, scale: float) -> tuple[Any, FloatAr
 def _write_names(axis: Any, scene: SceneModel, names: Sequence[str], scale: float,
                  stations: Sequence[FloatArray], widths: Widths) -> None:  # fmt: skip
     """Write the least width, names of robots and stations, as far as they do not overlap."""
-    notes, k, crowd = [], widths.narrowest, len(names) > NAMED
+    notes, k, crowd = [], widths.narrowest, scene.robots > NAMED
     if k is not None:
         words = f"{significant(widths.width[k])} m"
         notes.append(Note(note(axis, widths.left_foot[k], words, color=WIDTHS, fontsize=8.5,
                                fontweight="bold")))  # fmt: skip
-    for i in range(0, len(names), ceil(len(names) / FEW_NAMED) if crowd else 1):
+    for i in range(0, scene.robots, ceil(scene.robots / FEW_NAMED) if crowd else 1):
         words = note(axis, scene.start[i], names[i], fontsize=7.5, fontweight="bold", gid="name",
                      color=INK if crowd else hexed(scene.colours[i]))  # fmt: skip
         notes.append(Note(words, max(scene.reach[i] * scale, LEAST)))
+    for name, outline in zip(names[scene.robots :], scene.moved_starting, strict=False):
+        middle = outline.mean(axis=0)
+        words = note(axis, middle, name, fontsize=7.5, fontweight="bold", gid="name", color=INK)
+        notes.append(Note(words, 0.0, pointed(axis, outline) - pointed(axis, middle[None])))
     for at, station in zip(*stations, strict=True):
         notes.append(Note(note(axis, at, f"{station:.12g}", fontsize=6.5, color=QUIET)))
-    outlines = [pointed(axis, outline) for outline in scene.starting]
+    starting = *scene.starting, *scene.moved_starting
+    outlines = [pointed(axis, outline) for outline in starting]
     low = np.array([outline.min(axis=0) for outline in outlines])
     high = np.array([outline.max(axis=0) for outline in outlines])
     rim, stops = RIM * (high - low), np.tile(pointed(axis, scene.stops), 2)
@@ -447,7 +472,7 @@ def _write_names(axis: Any, scene: SceneModel, names: Sequence[str], scale: floa
         walls.append(np.array([widths.left_foot[k], widths.right_foot[k]]))
     paths = list({path.tobytes(): path for path in scene.paths}.values())
     lines = _priced(axis, ((walls, ON_WALL), (paths, ON_PATH),
-                           (map(closed, scene.starting), ON_ROBOT)))  # fmt: skip
+                           (map(closed, starting), ON_ROBOT)))  # fmt: skip
     found = settle(axis, notes, lines, taken, pointed(axis, scene.start[:, :2]))
     for one, is_placed in zip(notes, found, strict=True):
         if not is_placed:

@@ -12,6 +12,7 @@ from physim.analysis.metrics import Figures, mode_spans
 from physim.analysis.metrics.modes import danger_of
 from physim.drawing.drivers import MOST_DRIVERS, MOST_LETTERS, Driver, drivers_of
 from physim.drawing.plots.frame import (
+    POSES_ONLY,
     USUAL,
     Paper,
     driver_handle,
@@ -61,6 +62,7 @@ def modes(record: Record, paper: Paper = USUAL) -> Any:
     spans = mode_spans(record)
     if (spans["mode"] == NO_NUMBER).all():
         why = "the controller gives no modes" if len(spans) else "no decision was recorded"
+        why = why if record.judged is None else POSES_ONLY
         for empty in {above, axis}:
             nothing(empty, why)
         return figure

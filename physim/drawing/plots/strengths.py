@@ -58,7 +58,8 @@ def strengths(
     for verdict, (marker, edge, fill, words) in MARKS.items():
         some = [(x, one) for x, one in tried if one.holds is verdict and one.runs]
         if some:
-            shares = [one.successes / one.runs for _, one in some]
+            # an interval that holds at all looks may end short of the share of the last look
+            shares = [min(max(one.successes / one.runs, one.low), one.high) for _, one in some]
             below = [share - one.low for share, (_, one) in zip(shares, some, strict=True)]
             above = [one.high - share for share, (_, one) in zip(shares, some, strict=True)]
             handles.append(

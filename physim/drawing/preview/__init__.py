@@ -83,6 +83,10 @@ def preview_of(layout: Layout, trusted: bool = False) -> Contents:
     words = [plural(scene.robots, "robot"), plural(len(scene.boundaries), "boundary", "boundaries")]
     if scene.obstacles:
         words.append(plural(len(scene.obstacles), "obstacle"))
+    if layout.pushed:
+        words.append(plural(len(layout.pushed), "obstacle to push", "obstacles to push"))
+    if world.movers:
+        words.append(plural(len(world.movers), "mover"))
     reference = shapely.LineString(corners_of_line(scene.reference))
     words.append(f"reference path {significant(reference.length, 4)} m")
     if is_random(world):
@@ -103,7 +107,8 @@ def make_figure(seen: Contents, format: str = "png") -> Any:
     from matplotlib.figure import Figure
 
     scene = seen.scene
-    fonts, signs = families("".join((*seen.lines, *scene.names)))
+    called = *scene.names, *scene.mover_names
+    fonts, signs = families("".join((*seen.lines, *called)))
     matplotlib.rcParams["font.family"] = fonts
     figure = Figure(figsize=SIZE, dpi=DPI)
     for k, words in enumerate(seen.lines):
@@ -117,10 +122,11 @@ def make_figure(seen: Contents, format: str = "png") -> Any:
             return bool(line.get_window_extent().x1 <= 0.97 * figure.bbox.width)
 
         line.set_text(shortened(words, fits))
-    names = [shortened(name, LONGEST_NAME) for name in scene.names]
+    names = [shortened(name, LONGEST_NAME) for name in called]
     if format != "svg":  # who looks at an SVG has fonts of their own
         names = [
-            n if signs.issuperset(map(ord, n)) else f"robot {i + 1}" for i, n in enumerate(names)
+            n if signs.issuperset(map(ord, n)) else f"{body.kind} {body.id + 1}"
+            for n, body in zip(names, scene.bodies, strict=False)
         ]
     above, below = figure.add_axes(MAP), figure.add_axes(PROFILE)
     for side in above.spines.values():

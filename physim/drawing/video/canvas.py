@@ -299,13 +299,13 @@ ARMS = np.array([[[-1.0, -1.0], [1.0, 1.0]], [[-1.0, 1.0], [1.0, -1.0]]])
 
 
 class Fleet:
-    """All robots: paths to draw, and their vertices, which are placed in one go a frame."""
+    """All that moves: paths to draw, and their vertices, which are placed in one go a frame."""
 
     def __init__(self, shapes: Sequence[Shape]) -> None:
         self.shapes = shapes
         each = {id(one): (joined(one.rings, True), joined([one.mark], True)) for one in shapes}
         self.paths = [each[id(one)] for one in shapes]
-        """of each robot its outline and its mark, in its frame"""
+        """of each body its outline and its mark, in its frame"""
         bodies = [np.concatenate(one.rings) for one in shapes]
         self._points = np.concatenate(bodies)
         self._start = np.cumsum([0, *map(len, bodies)])
@@ -355,6 +355,27 @@ def draw_robots(
         turned=np.repeat(turned, 2, axis=0),
         lens=lens.matrix(),
     )
+
+
+def draw_moved(
+    canvas: Canvas,
+    fleet: Fleet,
+    lens: Lens,
+    pose: FloatArray,
+    faces: Sequence[Colour],
+    touching: NDArray[np.bool_],
+) -> None:
+    """Draw what moves beside robots, the last of a fleet, at poses (B, 3) in colours ``faces``.
+
+    Without marks of headings, and with firm outlines, in the contact colour of what touches.
+    """
+    first = len(pose) - len(faces)
+    edges = [palette.CONTACT if one else palette.WALL for one in touching[first:].tolist()]
+    if faces:
+        canvas.draw(
+            [outline for outline, _ in fleet.paths[first:]], faces, edges,
+            np.where(touching[first:], 4.0, 2.0), turned=_turned(pose[first:]), lens=lens.matrix(),
+        )  # fmt: skip
 
 
 def draw_ghosts(canvas: Canvas, fleet: Fleet, lens: Lens, pose: FloatArray) -> None:

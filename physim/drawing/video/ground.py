@@ -29,6 +29,7 @@ from physim.drawing.video.canvas import (
     Image,
     Lens,
     draw_contacts,
+    draw_moved,
     draw_robots,
 )
 from physim.drawing.video.text import BOLD, NORMAL, TEXT, shorten, sprite
@@ -56,6 +57,11 @@ def ground(timeline: Timeline) -> Ground:
     places, reach = timeline.record.pose[:, :, :2].reshape(-1, 2), scene.reach.max()
     low = np.minimum(scene.extent[0], places.min(axis=0) - reach)
     high = np.maximum(scene.extent[1], places.max(axis=0) + reach)
+    if scene.moved:
+        places = timeline.record.moving_pose[:, timeline.robots :, :2]
+        reach = np.array([np.hypot(*one.rings[0].T).max() for one in scene.moved_shapes])[:, None]
+        low = np.minimum(low, (places - reach).min(axis=(0, 1)))
+        high = np.maximum(high, (places + reach).max(axis=(0, 1)))
     return Ground([item for item in items(scene) if item.level <= Level.WALL], (low, high))
 
 
@@ -170,6 +176,11 @@ class Whole:
             order = np.argsort(dangerous[now.modes], kind="stable")
         places = self.lens.pixels(now.pose[order, :2])
         _draw_dots(canvas.pixels, places, now.colours[order], 5 if len(order) <= NAMED else 2)
+        moved = self.lens.pixels(now.moving_pose[len(order) :, :2])
+        if len(moved):
+            faces = list(map(palette.keyed, self._timeline.scene.moved_keys))
+            for size, colours in ((7, [palette.WALL] * len(faces)), (5, faces)):
+                _draw_dots(canvas.pixels, moved, colours, size)
         if corners is not None:
             (x0, y0), (x1, y1) = np.rint(self.lens.pixels(corners)).astype(int).tolist()
             canvas.frame(x0, y1, x1, y0, palette.INK)
@@ -184,11 +195,14 @@ class Whole:
         for robot, course in enumerate(record.pose[rows][:, :, :2].transpose(1, 0, 2)):
             colour = palette.BAND if crowd else palette.robot_colour(robot)
             view.lines(lens.pixels(course)[None], colour, 1.0 if crowd else 3.0)
-        contacts, touching = timeline.contacts, timeline.contacts.touching(now.time, len(now.pose))
+        contacts, moving = timeline.contacts, now.moving_pose
+        touching = contacts.touching(now.time, len(moving))
+        faces = list(map(palette.keyed, timeline.scene.moved_keys))
+        draw_moved(view, fleet, lens, moving, faces, touching)
         if 2.0 * float(timeline.scene.reach.max()) * lens.scale >= TINY:
             draw_robots(view, fleet, lens, now.pose, now.colours, touching)
         else:
-            edges = np.where(touching[:, None], palette.CONTACT, palette.INK)
+            edges = np.where(touching[: len(now.pose), None], palette.CONTACT, palette.INK)
             for size, colours in ((7, edges), (5, now.colours)):
                 _draw_dots(view.pixels, lens.pixels(now.pose[:, :2]), colours, size)
         if len(contacts.began):
@@ -198,7 +212,7 @@ class Whole:
             draw_contacts(view, places[np.isfinite(contacts.deep)], False, deep=True)
         span = f"{timeline.begin:.1f} to " if timeline.begin else ""
         title = f"the whole run, {span}{timeline.duration:.1f} s: where the robots went"
-        boxes = fleet.boxes(lens.pixels(fleet.placed(now.pose)))
+        boxes = fleet.boxes(lens.pixels(fleet.placed(moving)))
         write_corner(view, [title, *notes(timeline)], grown(boxes, 3.0))
 
 

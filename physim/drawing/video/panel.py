@@ -10,7 +10,7 @@ import numpy as np
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
 from physim.drawing.drivers import MOST_DRIVERS, owner_of
-from physim.drawing.items import Item
+from physim.drawing.items import PUSHED, Item
 from physim.drawing.palette import Colour, rgb
 from physim.drawing.scene_model import shape
 from physim.drawing.timeline import Moment, Timeline
@@ -24,6 +24,7 @@ from physim.drawing.video.canvas import (
     Lens,
     draw_closest,
     draw_contacts,
+    draw_moved,
     draw_progress,
     draw_ring,
     draw_robots,
@@ -61,7 +62,8 @@ BELOW = 134
 NO_MODES, NO_MODE = "robot; no modes are given", "robot without a mode"
 DEEP = "too deep: not physical"
 GROUND = (
-    "path", "reference path", "boundary", "obstacle", "safe area", "danger area", "accessible area"
+    "path", "way of a mover", "reference path", "boundary", "obstacle", "safe area", "danger area",
+    "accessible area",
 )  # fmt: skip
 """What of the ground the legend explains, in its order"""
 KEPT = ("safe area", "danger area")
@@ -91,9 +93,17 @@ def signs(timeline: Timeline, ground: Ground, whole: bool = False) -> dict[str, 
         DEEP: (np.isfinite(contacts.deep).any(), _contact(deep=True)),
         "contact between samples": (contacts.swept.any(), _contact(swept=True)),
         "closest pair": (
-            timeline.robots > 1,
+            timeline.moving > 1,
             lambda canvas, at: draw_closest(canvas, at + [[3.0, 0.0], [19.0, 0.0]]),
         ),
+        "mover": (
+            timeline.scene.mover_names,
+            lambda canvas, at: draw_moved(
+                canvas, Fleet([_BOX]), Lens(1.0, *(at + MIDDLE)), np.zeros((1, 3)),
+                [palette.MOVER], np.zeros(1, bool),
+            ),
+        ),
+        PUSHED: ("obstacle" in timeline.scene.moved_keys, _area(palette.OBSTACLE)),
         "target": (
             not crowd and timeline.aims,
             lambda canvas, at: draw_targets(canvas, at[None], at + END[None] - (4.0, 0.0)),
@@ -116,7 +126,7 @@ def _of_items(drawn: Sequence[Item], plural: str) -> tuple[str, Sign]:
     dashed = any(item.dash for item in drawn)
     words = first.what if first.what != "path" else f"path{plural}"
     return (
-        f"{words}, dashed in danger area" if dashed else words,
+        f"{words}, dashed in danger area" if dashed and first.what == "path" else words,
         _line(first.colour, 2.0 * first.width - 1.0, dashed),
     )
 
@@ -161,6 +171,7 @@ def groupings(timeline: Timeline, room: int) -> Iterator[list[Group]]:
     drivers = timeline.drivers
     if not drivers:
         head = f"{'modes of' if explained else 'controller'} {setup.controller.name}"
+        head = head if setup.judged is None else setup.controller.name
         beside = wrapped(setup.controller.set_to, SMALL, room, most=3)
         yield [Group([shorten(head, SMALL, room), *beside], explained)]
         return

@@ -33,6 +33,7 @@ from physim.drawing.video.canvas import (
     draw_closest,
     draw_contacts,
     draw_ghosts,
+    draw_moved,
     draw_ring,
     draw_robots,
     draw_targets,
@@ -147,22 +148,25 @@ class Pair(NamedTuple):
 
 def two(record: Record, bodies: tuple[int, int], now: Moment) -> Pair:
     """Return two bodies with their nearest points."""
-    points = nearest_points(record, *bodies, now.pose)
+    points = nearest_points(record, *bodies, now.moving_pose)
     return Pair(*bodies, float(np.hypot(*(points[1] - points[0]))), points)
 
 
 def closest(timeline: Timeline, now: Moment) -> Pair | None:
-    """Return the closest two robots, with the distance of the record; None for one robot."""
+    """Return the robot closest to anything that moves, and that body, with the distance of the
+    record; None for one robot alone."""
     clearance = timeline.distances_at(np.array([now.sample]))[0][0]
-    if timeline.robots < 2 or not np.isfinite(clearance).any():
+    if timeline.moving < 2 or not np.isfinite(clearance).any():
         return None
-    a, reach = int(np.argmin(clearance)), timeline.scene.reach
-    gap = np.hypot(*(now.pose[:, :2] - now.pose[a, :2]).T) - reach - reach[a]
+    a, pose = int(np.argmin(clearance)), now.moving_pose
+    reach = timeline.record.shapes.radius if timeline.scene.moved else timeline.scene.reach
+    gap = np.hypot(*(pose[:, :2] - pose[a, :2]).T) - reach - reach[a]
     gap[a] = np.inf
     near = np.flatnonzero(gap <= max(float(clearance[a]), float(gap.min())) + 1e-6)
     pairs = [two(timeline.record, (min(a, b), max(a, b)), now) for b in near.tolist()]
     # of several that it overlaps the deepest
-    k = int(np.lexsort((clearance[near], [pair.distance for pair in pairs]))[0])
+    their = np.append(clearance, np.full(timeline.moving - timeline.robots, np.inf))[near]
+    k = int(np.lexsort((their, np.array([pair.distance for pair in pairs])))[0])
     return pairs[k]._replace(distance=float(clearance[a]))
 
 
@@ -196,7 +200,9 @@ class View:
         self._lasts = max(MARK, FLASH * speed, timeline.spacing)  # [s] of the mark of a contact
         self._background = Background(world, self.camera.scale)
         self._end = None if self.camera.whole else Whole(timeline, world, box, MARGIN)
-        self._fleet = Fleet(timeline.scene.shapes)
+        scene = timeline.scene
+        self._fleet = Fleet((*scene.shapes, *scene.moved_shapes))
+        self._faces = list(map(palette.keyed, scene.moved_keys))
         self._eccentric = np.array([shape.eccentric for shape in timeline.scene.shapes])
         self._labels = Labels()
         self._walls = pieces_of(
@@ -206,6 +212,7 @@ class View:
             shorten(name, NAME, 110, BOLD) + mark
             for name, mark in zip(timeline.record.names, timeline.marks, strict=True)
         ]
+        self._names += [shorten(name, NAME, 110, BOLD) for name in scene.mover_names]
         self._crowd = timeline.robots > NAMED
         self._trail = SHORT_TRAIL if self._crowd else TRAIL
         steps = SHORT_STEPS if self._crowd else TRAIL_STEPS
@@ -237,13 +244,15 @@ class View:
         self._draw_trails(view, lens, now)
         if not self._crowd:
             draw_targets(view, lens.pixels(now.pose[:, :2]), lens.pixels(now.targets))
-        touching = timeline.contacts.touching(now.time, timeline.robots)
-        vertices = lens.pixels(self._fleet.placed(now.pose))
+        touching = timeline.contacts.touching(now.time, timeline.moving)
+        vertices = lens.pixels(self._fleet.placed(now.moving_pose))
         boxes = self._fleet.boxes(vertices)
         inside = (boxes[:, 2:] >= 0.0) & (boxes[:, :2] <= self.box.size)
-        seen = np.flatnonzero(inside.all(axis=1))
+        there = np.flatnonzero(inside.all(axis=1))
+        seen = there[there < timeline.robots]
         if (other := self.ghosts) is not None:
-            draw_ghosts(view, other._fleet, lens, other.timeline.at(now.time).pose)
+            draw_ghosts(view, other._fleet, lens, other.timeline.at(now.time).moving_pose)
+        draw_moved(view, self._fleet, lens, now.moving_pose, self._faces, touching)
         draw_robots(view, self._fleet, lens, now.pose, now.colours, touching, seen)
         origins = lens.pixels(now.pose[seen[self._eccentric[seen]], :2])
         view.discs(origins, 3.5, palette.WHITE)  # where the lines to the targets start
@@ -251,7 +260,7 @@ class View:
         if pair is not None:
             draw_closest(view, lens.pixels(pair.points))
         self._mark_contacts(view, lens, now.time)
-        named = seen.tolist()
+        named = there[there < len(self._names)].tolist()
         if self._crowd:
             first = [] if pair is None else [pair.a, pair.b]
             those = dict.fromkeys((*first, *np.flatnonzero(touching).tolist()))
@@ -313,16 +322,16 @@ class View:
         shapes: Mapping[int, FloatArray],
         boxes: FloatArray,
     ) -> None:
-        """The distance of a pair, and names of robots, of given ``shapes`` (n, 2) [px].
+        """The distance of a pair, and names of bodies, of given ``shapes`` (n, 2) [px].
 
-        ``boxes`` (N, 4) [px] are those of all robots.
+        ``boxes`` (B, 4) [px] are those of all that moves.
         """
         pictures: dict[int, Sprite] = {}
         labels: dict[int, Label] = {}
         if pair is not None:
             span = float(np.hypot(*(pair.points[1] - pair.points[0]))) * lens.scale / 2.0
             text = amount(pair.distance, "m") if pair.distance > 0.0 else "contact"
-            key = -1 - pair.a * self.timeline.robots - pair.b  # another pair chooses anew
+            key = -1 - pair.a * self.timeline.moving - pair.b  # another pair chooses anew
             x, y = lens.pixels(pair.points).mean(axis=0)
             pictures[key] = sprite(text, NAME, palette.INK, BOLD, halo=True)
             labels[key] = Label((x, y), min(max(span * 0.2, 8.0), 30.0), pictures[key].size)
@@ -347,7 +356,7 @@ class View:
     def _obstacles(
         self, lens: Lens, now: Moment, boxes: FloatArray, labels: Mapping[int, Label]
     ) -> tuple[FloatArray, IntArray]:
-        """Boxes (m, 4) [px] that labels should not cover, and the robots (m,) that they are of."""
+        """Boxes (m, 4) [px] that labels should not cover, and the bodies (m,) that they are of."""
         if not self._crowd:
             aims = np.flatnonzero(np.isfinite(now.targets).all(axis=1))
             rings = grown(np.tile(lens.pixels(now.targets[aims]), 2), 5.0)

@@ -14,6 +14,7 @@ from warnings import warn
 from physim.errors import ControllerError, Fault, Location, WorldError
 from physim.parts.registry import (
     CONTROLLER,
+    DRIVE,
     OF_ROBOTS,
     STAGES,
     Kind,
@@ -22,7 +23,13 @@ from physim.parts.registry import (
     find_part,
     made_part,
 )
-from physim.parts.world_checks import HOOKS, driver_faults, faults_said, said_of_driven
+from physim.parts.world_checks import (
+    HOOKS,
+    drive_faults,
+    driver_faults,
+    faults_said,
+    said_of_driven,
+)
 from physim.world import World
 from physim.world.faults import describe
 from physim.world.file.document import Document, apply_overrides, put, read_document
@@ -135,7 +142,12 @@ def _of_parts(world: World, document: Document, trusted: bool) -> tuple[list[Fau
     ``trusted`` allows the world's own controller to be ``module:Class``, none of its robots'.
     """
     driving = {one.where: one for one in world.drivers()}
-    named: list[tuple[Kind, Location, str]] = [(CONTROLLER, CONTROLLER.key, world.controller.type)]
+    named: list[tuple[Kind, Location, str]] = [
+        (DRIVE, ("robots", e, "drive"), entry.drive.type)
+        for e, entry in enumerate(world.robots)
+        if entry.drive is not None
+    ]
+    named.append((CONTROLLER, CONTROLLER.key, world.controller.type))
     named += [(OF_ROBOTS, at, one.type) for at, one in driving.items() if at != CONTROLLER.key]
     for kind, choices in zip(
         STAGES, (world.sensing.stages, world.filters, world.disturbances), strict=True
@@ -147,12 +159,16 @@ def _of_parts(world: World, document: Document, trusted: bool) -> tuple[list[Fau
         driver, given = driving.get(where), document.values
         for key in where:
             given = given.get(key, {}) if isinstance(given, dict) else given[key]
-        given = {key: value for key, value in given.items() if key != "type"}
+        named_alone = isinstance(given, str)
+        given = {} if named_alone else {k: value for k, value in given.items() if k != "type"}
         try:
             part = find_part(kind, name, trusted and kind is CONTROLLER)
             settings, found = checked_settings(part, given, where)
+            sound = not any(fault.location[2:3] == DRIVE.key for fault in faults)
+            if sound and not found and driver is not None:
+                found = drive_faults(part, world, driver)
             is_idle = driver is None and kind is CONTROLLER  # every robot has its own
-            if not found and not is_idle and any(hasattr(part, hook) for hook in HOOKS):
+            if sound and not found and not is_idle and any(hasattr(part, hook) for hook in HOOKS):
                 made = made_part(kind, part, settings, name)
                 if driver is not None:
                     found = driver_faults(made, world, driver)
@@ -162,7 +178,7 @@ def _of_parts(world: World, document: Document, trusted: bool) -> tuple[list[Fau
                     doubts += [] if found else faults_said(made, "world_doubts", world, where)
             faults += found
         except ControllerError as error:
-            faults.append(Fault((*where, "type"), str(error)))
+            faults.append(Fault(where if named_alone else (*where, "type"), str(error)))
     return faults, doubts
 
 

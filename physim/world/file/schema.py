@@ -16,6 +16,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from physim.errors import ControllerError
 from physim.parts.registry import (
     CONTROLLER,
+    DRIVE,
     STAGES,
     Kind,
     find_part,
@@ -23,6 +24,7 @@ from physim.parts.registry import (
     settings_model,
 )
 from physim.world import Choice, ControllerChoice, World
+from physim.world.run import DriveChoice
 
 FILE = "world.schema.json"
 """Name of the schema where it stands beside worlds."""
@@ -58,7 +60,13 @@ def schema_text(names: Callable[[Kind], Iterable[str]] = part_names) -> str:
         "description": "the controller of one robot or group; its type is always written",
         "required": ["type"],
     }
-    del models[Choice.__name__]
+    models.pop(Choice.__name__, None)
+    models[_name(DRIVE)] = _choice(DRIVE, names, DriveChoice)
+    by_name = models[_name(DRIVE)]["properties"]["type"]
+    models[DriveChoice.__name__] = {
+        "description": "a drive by its name, or with its settings",
+        "anyOf": [by_name, {"$ref": f"#/$defs/{_name(DRIVE)}"}],
+    }
     for kind in STAGES:
         models[_name(kind)] = _choice(kind, names, Choice)
         holder = models["Sensing"] if len(kind.key) > 1 else schema

@@ -24,6 +24,7 @@ from physim.parts.registry import CONTROLLER, find_part, shipped_parts
 from physim.units import joined
 from physim.world import Robot, RobotGroup, World
 from physim.world.kinds import MOST_SEED
+from physim.world.layout.driven import drives_of
 from physim.world.layout.layout import lay_out, placed
 from physim.world.layout.robots import shared
 from physim.world.run import DEFAULT_RANGE
@@ -57,6 +58,7 @@ def scene_of(laid: Layout) -> Scene:
     names += [("obstacle", f"obstacle {k + 1}") for k in laid.standing]
     movers = world.movers
     paths = pack_polylines(laid.paths)
+    driven, most = drives_of(laid.robots, laid.entries)
     return Scene(
         world=world,
         seed=world.seed,
@@ -75,7 +77,10 @@ def scene_of(laid: Layout) -> Scene:
             ),
             *(one.mass for one in laid.moved),
         ]),
-        limits=np.array([(robot.limits.v, robot.limits.omega) for robot in laid.robots]),
+        limits=np.ascontiguousarray(most[:, : 3 if most[:, 2].any() else 2]),
+        curvature=np.ascontiguousarray(most[:, 3]),
+        braking=np.ascontiguousarray(most[:, 4]),
+        drives=driven,
         start=laid.start,
         movers=timed_paths(
             [one.poses for one in movers], [one.moments for one in movers],

@@ -14,6 +14,7 @@ from physim.tolerances import TUNNEL_FRACTION
 from physim.units import figure
 from physim.world import Limits, Robot
 from physim.world.faults import describe
+from physim.world.layout.driven import drives_of
 from physim.world.layout.robots import shared
 
 
@@ -22,13 +23,15 @@ def step_faults(
 ) -> list[Fault]:
     """Refuse (v + r omega) dt beyond a quarter of the smallest width of any convex part.
 
-    One fault at most: of the step, or of the limits of the one robot that is too fast for it.
+    v is the greatest speed in any direction. One fault at most: of the step, or of the limits of
+    the one robot that is too fast for it.
     """
     radius, width = (
         np.array(shared(of, footprints))
         for of in (circumscribed_radius, lambda outline: smallest_width(convex_parts(outline)))
     )
-    v, omega = np.array([(robot.limits.v, robot.limits.omega) for robot in robots]).T
+    v, omega, lateral, *_ = drives_of(robots, entries).most.T
+    v = np.hypot(v, lateral)
     speed, limit = v + radius * omega, TUNNEL_FRACTION * float(width.min())
     count = int((speed * step > limit).sum())
     if not count:

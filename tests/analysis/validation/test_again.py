@@ -262,3 +262,23 @@ def test_a_coarse_record_that_breaks_off_is_judged_up_to_there(careless, ended, 
     assert states(told.out, *words)
     written = json.loads(target.read_text(encoding="utf-8"))["run"]
     assert (written["ended"], written["samples"]) == (ended, 101)
+
+
+def test_what_was_sensed_is_held_against_the_run_simulated_again(tmp_path: Path) -> None:
+    path = tmp_path / "sensed.h5"
+    narrow = "sensing.stages=[{type: field_of_view, angle: 3.0}]"
+    world = physim.parse_world(LANE, overrides=["time.duration=1", "expect=null", narrow])
+    with physim.simulate(world, path=path, save=physim.SaveAt(sensed=True)) as record:
+        unseen = record.sensed[np.isnan(record.sensed["x"])]
+        assert len(unseen)  # formation neighbours beside it
+        assert np.isfinite(unseen["reference_station"]).all()
+    assert said("validate", str(path)).code == 0
+
+    def shift(file: h5py.File) -> None:
+        rows = file["/sensed"][()]
+        rows["age"][3] += 0.01
+        file["/sensed"][...] = rows
+
+    done = forged(path, shift)
+    assert done.code == 3
+    assert "/sensed, row 3, age is 0.01 in the record" in " ".join(done.out.split())

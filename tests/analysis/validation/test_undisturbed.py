@@ -95,6 +95,14 @@ def test_those_from_python_are_left_out_and_others_from_there_are_missed() -> No
         assert "is not known: " in report(found)
 
 
+def test_sensing_stages_are_left_out_too() -> None:
+    late = world(sensing={"stages": [{"type": "delay", "seconds": 0.5}]})
+    found = validate(physim.simulate(late))
+    assert told(found).keys() == PAIRS
+    assert found.undisturbed is not None
+    assert found.undisturbed.without == ("delay", "actuation")
+
+
 def test_a_run_that_went_on_from_a_state_goes_on_without() -> None:
     simulation = physim.Simulation(world())
     simulation.step(steps=100)

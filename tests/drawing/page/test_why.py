@@ -25,7 +25,7 @@ class Told:
     def __init__(
         self, name: str, settings: dict[str, Any], rules: tuple[Rule, ...], world: dict[str, Any]
     ) -> None:
-        self.world_settings = world
+        self.world_settings, self.robots, self.moving = world, 1, 1
         self.setup = Setup(((Part(name, settings), (0,)),), {}, (), {})
         self.declared = type("Declared", (), {"rules": rules})
 

@@ -104,7 +104,7 @@ export class Camera {
   /** Same look as another camera has. */
   copy(other) {
     Object.assign(this, { follow: other.follow, close: other.close, zoom: other.zoom, shift: [...other.shift] });
-    if (typeof this.follow === "number" && this.follow >= this.run.robots) this.follow = "robots";
+    if (typeof this.follow === "number" && this.follow >= this.run.moving) this.follow = "robots";
   }
 }
 
@@ -137,8 +137,9 @@ function boxOf(run, time, scratch) {
 }
 
 /** Distance [m] of the farthest point of any robot from the point that it is steered by. */
-function largestReach({ header: { scene } }) {
-  const points = scene.shapes.flatMap(({ rings }) => rings.flat());
+function largestReach({ robots, header: { scene } }) {
+  const shapes = scene.shape.slice(0, robots).map((number) => scene.shapes[number]);
+  const points = shapes.flatMap(({ rings }) => rings.flat());
   return points.reduce((most, [x, y]) => Math.max(most, Math.hypot(x, y)), 1e-3);
 }
 

@@ -4,7 +4,7 @@ export const DASHES = [[], [5, 3], [2, 2], [8, 3, 2, 3]]; // one a run
 export const DASHED = ["", "dashed", "dotted", "dash-dotted"];
 const FEW = 60;
 const NEAR = [
-  { name: "pair", column: "distance", colour: "link", words: "between robots (blue)" },
+  { name: "pair", column: "distance", colour: "link", words: "between robots (blue)", more: "to all that moves (blue)" },
   { name: "wall", column: "boundary_distance", colour: "reference", words: "to walls (grey)" },
 ];
 const AHEAD = [{ name: "times", column: "collision_time", colour: "link", words: "" }];
@@ -53,7 +53,8 @@ function least(runs, kinds, { title, share, most }) {
     const own = run.column(`own:${known[0].column}`).subarray(...mine);
     drawLine(context, frame, run, run.step.subarray(...mine), own, colours.ink, 1.5);
   };
-  const words = [title, known.map((one) => one.words).join(", ")].join(" ").trim();
+  const beside = runs.some((run) => run.moving > run.robots);
+  const words = [title, known.map((one) => (beside && one.more) || one.words).join(", ")].join(" ").trim();
   return { title: words, note: noteOf(runs, known), limits, share, draw };
 }
 

@@ -74,7 +74,7 @@ function closest(run, robot) {
     if (step < 0) continue;
     const time = step * run.dt;
     const away = metres(run.array(name)[robot]);
-    found.push({ time, words: `${at(time)}: closest to ${body < run.robots ? "a robot" : "a wall"}, ${run.names[body]}: ${away}` });
+    found.push({ time, words: `${at(time)}: closest to ${{ robot: "a robot", mover: "a mover" }[run.kind(body)] ?? (name === "near" ? "an obstacle" : "a wall")}, ${run.names[body]}: ${away}` });
   }
   return found;
 }

@@ -2,6 +2,8 @@
 
 const THIN = 8; // [px/m] below which lines are thinner, as paths then lie close
 const PATH_TINT = 0.58; // opacity of robots' own paths
+const DASH = [5, 5]; // [px] of paths in the danger area
+const DOTS = [3, 4]; // [px] of the ways of movers, which are bodies behind the robots
 
 export class Ground {
   constructor(run) {
@@ -15,8 +17,8 @@ export class Ground {
     this.reference = shape([scene.reference], false);
     const dashed = scene.paths.some(({ danger }) => danger.length);
     this.paths = scene.paths.flatMap(({ robots, safe, danger }) => [
-      { robot: robots.length > 1 ? -1 : robots[0], robots, path: shape(safe, false), dashed: false },
-      ...(dashed ? [{ robot: robots.length > 1 ? -1 : robots[0], robots, path: shape(danger, false), dashed: true }] : []),
+      { robot: robots.length > 1 ? -1 : robots[0], path: shape(safe, false), dash: robots[0] < run.robots ? [] : DOTS },
+      ...(dashed ? [{ robot: robots.length > 1 ? -1 : robots[0], path: shape(danger, false), dash: DASH }] : []),
     ]);
   }
 
@@ -34,10 +36,11 @@ export class Ground {
     context.lineJoin = "round";
     const thin = Math.min(1, lens.scale / THIN);
     this.stroke(context, this.reference, colours.reference, 2 * thin * pixel);
-    context.globalAlpha = PATH_TINT;
-    for (const { robot, path, dashed } of this.paths) {
-      const colour = robot < 0 ? colours.band : colours.robots[robot % colours.robots.length];
-      context.setLineDash(dashed ? [5 * pixel, 5 * pixel] : []);
+    for (const { robot, path, dash } of this.paths) {
+      const own = dash === DOTS ? colours.way : colours.robots[robot % colours.robots.length];
+      const colour = robot < 0 ? colours.band : own;
+      context.globalAlpha = dash === DOTS ? 1 : PATH_TINT;
+      context.setLineDash(dash.map((length) => length * pixel));
       this.stroke(context, path, colour, 1.2 * thin * pixel);
     }
     context.setLineDash([]);

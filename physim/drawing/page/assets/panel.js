@@ -110,6 +110,12 @@ const SIGNS = [
     across(context, colours.ink, 2);
     for (const x of [-11, 11]) disc(context, x, 0, 2.5, colours.ink);
   }],
+  ["mover", (context, colours) => {
+    robot(context, colours.mover);
+    Object.assign(context, { strokeStyle: colours.wall, lineWidth: 1.5 });
+    context.strokeRect(-8, -5, 16, 10);
+  }],
+  ["way", (context, colours) => across(context, colours.way, 1.5, [3, 4])],
   ["target", (context, colours) => {
     across(context, colours.quiet, 1);
     disc(context, 9, 0, 3, colours.paper, colours.ink, 1.5);

@@ -1,4 +1,5 @@
 // Robots as they stand at a time: filled by mode, with a heading mark; and where they came from.
+// Movers and what robots push have no mark, and the colour of their kind.
 
 import { lastAtMost } from "./run.js";
 
@@ -20,7 +21,7 @@ export class Fleet {
     }));
     this.shape = shape;
     this.reach = shape.map((number) => this.shapes[number].reach);
-    this.largest = Math.max(...this.reach);
+    this.largest = Math.max(...this.reach.slice(0, run.robots));
   }
 
   /** Corners [px], flat, of a ring of a robot's frame at its pose in `pose`. */
@@ -60,7 +61,7 @@ export class Fleet {
       const colour = colourOf(robot);
       if (!groups.has(colour)) groups.set(colour, new Path2D());
       for (const ring of this.outline(robot, pose, lens)) trace(groups.get(colour), ring);
-      if (!withMarks) continue;
+      if (!withMarks || robot >= this.run.robots) continue;
       const { mark } = this.shapes[this.shape[robot]];
       trace(marks, Fleet.placed(mark, pose, 3 * robot, lens));
     }

@@ -14,10 +14,11 @@ export class Run {
     this.marks = header.marks; // of who drives each robot, behind its name
     this.modes = header.modes;
     this.knots = starts(array.whole("knots"));
+    this.moving = this.knots.length - 1; // bodies that move: robots first, then movers and what is pushed
     this.knotStep = array.whole("knot_step");
     this.knot = ["x", "y", "heading"].map((name) => array(`knot_${name}`));
-    this.cursor = new Int32Array(this.robots);
-    this.pose = new Float64Array(3 * this.robots);
+    this.cursor = new Int32Array(this.moving);
+    this.pose = new Float64Array(3 * this.moving);
     this.first = starts(array.whole("decisions"));
     this.step = array.whole("step");
     this.hold = array.whole("hold");
@@ -37,9 +38,10 @@ export class Run {
     return this.columns.get(name);
   }
 
-  /** Puts the poses (x, y, heading of each robot) at a time [s] into `out`, or its own array. */
+  /** Puts the poses (x, y, heading of each body) at a time [s] into `out`, or its own array; as many
+   * as it has room for. */
   poses(time, out = this.pose) {
-    for (let robot = 0; robot < this.robots; robot++) this.place(robot, time, out, 3 * robot);
+    for (let body = 0; 3 * body < out.length; body++) this.place(body, time, out, 3 * body);
     return out;
   }
 
@@ -85,6 +87,11 @@ export class Run {
     }
     this.cursor[robot] = k - first;
     return k;
+  }
+
+  /** Key of the colour of a body: that of its kind, beside robots. */
+  kind(body) {
+    return this.header.scene.bodies[body].kind;
   }
 
   /** Row of a robot's last decision at or before a time [s]; -1 before its first. */

@@ -42,6 +42,7 @@ export class View {
 
   modeColour(robot, time, colours) {
     const { run } = this;
+    if (robot >= run.robots) return colours[run.kind(robot)];
     const mode = run.modesAt(time)[robot];
     if (mode >= 0) return run.modes[mode].colour;
     if (!run.header.modeless) return colours.undecided;
@@ -61,10 +62,9 @@ export class View {
     context.fillStyle = colours.outside;
     context.fillRect(0, 0, ...size);
     this.ground.draw(context, lens, colours);
-    const seen = [];
-    for (let robot = 0; robot < run.robots; robot++) {
-      if (this.fleet.isSeen(robot, pose, lens, size)) seen.push(robot);
-    }
+    const there = this.inSight(pose, lens, size);
+    const seen = there.filter((body) => body < run.robots);
+    const moved = there.slice(seen.length);
     const few = run.robots <= FEW;
     const own = (robot) => (few ? colours.robots[robot % colours.robots.length] : colours.band);
     if (layers.trails) drawTrails(context, run, at, lens, seen, own);
@@ -74,13 +74,15 @@ export class View {
     this.ghosts.forEach((ghost, k) => {
       ghost.drawGhost(context, time, lens, size, colours, DASHES[k + 1]);
     });
+    this.fleet.draw(context, pose, lens, moved, (body) => this.modeColour(body, at, colours));
+    this.fleet.ring(context, pose, lens, moved, colours.wall, 2);
     this.fleet.draw(context, pose, lens, seen, (robot) => this.modeColour(robot, at, colours));
     this.drawReferencePoints(context, pose, lens, seen, colours);
     const shown = this.contacts.shown(at, Math.max(CONTACT_LASTS, 0.5 * speed));
     const touching = new Set(
       shown.filter((one) => one.touches).flatMap(({ k }) => this.contacts.bodies(k)),
     );
-    const inView = new Set(seen);
+    const inView = new Set(there);
     const among = [...touching].filter((robot) => inView.has(robot));
     this.fleet.ring(context, pose, lens, among, colours.contact, 3);
     const labels = [];
@@ -96,16 +98,23 @@ export class View {
     }
     drawContacts(context, shown, lens, colours, speed, run.header.crowd);
     if (layers.names) {
-      const named = few ? seen : [...new Set([pair?.a, pair?.b, ...among.slice(0, 12), chosen])];
+      const movers = moved.filter((body) => run.kind(body) === "mover");
+      const named = few ? [...seen, ...movers] : [...new Set([pair?.a, pair?.b, ...among.slice(0, 12), chosen])];
       for (const robot of named) {
         if (inView.has(robot)) labels.push(this.nameOf(robot, pose, lens, robot === chosen));
       }
     }
-    const robots = layers.names || few ? seen.map((robot) => this.placed(robot, pose, lens)) : [];
+    const robots = layers.names || few ? there.map((robot) => this.placed(robot, pose, lens)) : [];
     writeLabels(context, labels, colours, size, robots);
     drawScale(context, roundBelow(130 / lens.scale), lens, size[1], colours);
     if (lens.scale > 1.25 * camera.wholeScale) this.drawOverview(context, pose, lens, at, size, colours, seen);
     this.drawn = { time: at, pose: pose.slice(), lens, ratio, shown, size };
+  }
+
+  /** All that moves and is in a view of some size, robots first. */
+  inSight(pose, lens, size) {
+    const bodies = [...this.fleet.shape.keys()];
+    return bodies.filter((body) => this.fleet.isSeen(body, pose, lens, size));
   }
 
   discOf(robot, pose, lens) {
@@ -123,8 +132,8 @@ export class View {
   nameOf(robot, pose, lens, isChosen) {
     const [x, y] = toPixels(lens, pose[3 * robot], pose[3 * robot + 1]);
     const name = this.run.names[robot];
-    const words = (name.length > 18 ? `${name.slice(0, 17)}…` : name) + this.run.marks[robot];
-    return { words, x, y, up: this.fleet.reach[robot] * lens.scale * 0.8 + 9, bold: isChosen, robot };
+    const words = (name.length > 18 ? `${name.slice(0, 17)}…` : name) + (this.run.marks[robot] ?? "");
+    return { words, x, y, up: this.fleet.reach[robot] * lens.scale * (robot < this.run.robots ? 0.8 : 1) + 9, bold: isChosen, robot };
   }
 
   /** Marks the points that robots are steered by where they lie far from their middle. */
@@ -144,10 +153,7 @@ export class View {
     const { run } = this;
     const at = Math.min(time, run.duration);
     const pose = run.poses(at);
-    const seen = [];
-    for (let robot = 0; robot < run.robots; robot++) {
-      if (this.fleet.isSeen(robot, pose, lens, size)) seen.push(robot);
-    }
+    const seen = this.inSight(pose, lens, size);
     const colourOf = (robot) => this.modeColour(robot, at, colours);
     this.fleet.draw(context, pose, lens, seen, colourOf, { ghost: true, dash });
     drawContacts(context, this.contacts.shown(at, CONTACT_LASTS), lens, colours, 0, true);
@@ -174,7 +180,7 @@ export class View {
     context.fill();
     context.clip();
     this.ground.drawPlain(context, small, colours);
-    for (let robot = 0; robot < this.run.robots; robot++) {
+    for (let robot = 0; robot < this.run.moving; robot++) {
       const [x, y] = toPixels(small, pose[3 * robot], pose[3 * robot + 1]);
       context.fillStyle = this.modeColour(robot, time, colours);
       context.fillRect(x - 1.5, y - 1.5, 3, 3);

@@ -14,6 +14,10 @@ const PLACES = ["target_x", "target_y"]; // told as the target
 const MOST_OTHERS = 24;
 const MOST_LOOKED_AT = 60;
 
+/** What a column is called: what is nearest need not be a robot where more moves. */
+const sensed = (run, column) =>
+  column === "distance" && run.moving > run.robots ? "nearest body it considered" : SEEN[column];
+
 /** What the controller of a robot goes by. */
 const driverOf = (run, robot) =>
   run.header.why.drivers.find(({ robots }) => !robots || robots.includes(robot));
@@ -24,7 +28,8 @@ export function whyRobot(view, robot, time, go) {
   const row = run.decision(robot, time);
   const name = run.names[robot];
   if (row < 0) {
-    return [head(name, null), el("p", {}, `${name} has not decided anything yet.`), story(view, robot, go)];
+    const known = run.header.judged ? "A log of poses does not tell what it decided." : `${name} has not decided anything yet.`;
+    return [head(name, null), el("p", {}, known), story(view, robot, go)];
   }
   const mode = run.mode[row] < 0 ? null : run.modes[run.mode[row]];
   const rule = run.header.why.rules[run.rule[row]] ?? null;
@@ -60,18 +65,18 @@ export function because(view, robot, row, mode, rule) {
   if (!states.length || !mode) return `${does}${driverOf(run, robot).avoids ? "" : "; its avoidance is off"}.`;
   if (!mode.danger) {
     if (rule?.name === "stop") return `${at} stands at its stop.`;
-    const seen = states.filter((one) => !Number.isNaN(one.value)).map((one) => `${SEEN[one.column]} ${saw(run, row, one)}`);
+    const seen = states.filter((one) => !Number.isNaN(one.value)).map((one) => `${sensed(run, one.column)} ${saw(run, row, one)}`);
     return seen.length ? `${does}; nothing was near: ${seen.join(", ")}.` : `${does}.`;
   }
   const near = states.filter((one) => one.isShort && one.column !== "collision_time")
-    .map((one) => told(one, one.column === "distance" ? nearest(view, robot, row) : ""));
+    .map((one) => told(one, run, one.column === "distance" ? nearest(view, robot, row) : -1));
   const time = states.find((one) => one.column === "collision_time");
   if (!near.length && time) {
     const until = `${time.wasDanger ? "within" : "in less than"} ${seconds(time.limit)}`;
     near.push(`with its safe-mode command it would touch a robot or a wall ${until}`);
   }
   if (!states[0].wasDanger) return `${does}, because ${near.join(" and ")}.`;
-  const clear = states.map(({ column, limit }) => `${SEEN[column]} above ${amount(limit, unitOf(column))}`);
+  const clear = states.map(({ column, limit }) => `${sensed(run, column)} above ${amount(limit, unitOf(column))}`);
   return `${does}. It leaves danger mode only when all of these hold: ${clear.join(", ")}. But ${near.join(" and ")}.`;
 }
 
@@ -86,24 +91,26 @@ function motion(...command) {
   return drive + (omega ? `, turning ${side}` : " straight on");
 }
 
-function told({ column, value, enter, leave }, who) {
+function told({ column, value, enter, leave }, run, body) {
+  const [kind, who] = body < 0 ? ["robot", ""] : [run.kind(body), run.names[body]];
   const [near, any] = column === "distance"
-    ? [`the nearest robot it considered${who && `, ${who},`}`, `a robot it considered${who && `, ${who}`}`]
+    ? [`the nearest ${kind} it considered${who && `, ${who},`}`,
+       `${kind === "obstacle" ? "an" : "a"} ${kind} it considered${who && `, ${who}`}`]
     : ["the nearest wall", "a wall"];
   const bound = value < enter ? `below ${metres(enter)}` : `not yet above ${metres(leave)}`;
   return value <= 0 ? `it touched ${any}` : `${near} was ${metres(value)} away, ${bound}`;
 }
 
-/** Name of the nearest of the robots that were considered in a decision; empty without. */
+/** The nearest of the bodies that were considered in a decision; -1 without. */
 function nearest(view, robot, row) {
   const { run, fleet } = view;
-  const pose = run.poses(run.step[row] * run.dt, new Float64Array(3 * run.robots));
+  const pose = run.poses(run.step[row] * run.dt, new Float64Array(3 * run.moving));
   let least = Infinity;
-  let found = "";
+  let found = -1;
   for (const other of (run.considered(row) ?? []).slice(0, MOST_LOOKED_AT)) {
     const [a, b] = closestPoints(fleet, pose, robot, other);
     const away = Math.hypot(a[0] - b[0], a[1] - b[1]);
-    if (away < least) [least, found] = [away, run.names[other]];
+    if (away < least) [least, found] = [away, other];
   }
   return found;
 }
@@ -138,7 +145,7 @@ function seenTable(run, row, mode) {
   const rows = states.map((one) => {
     const isNew = one.column === "collision_time" && mode?.danger;
     const bound = amount(one.limit, unitOf(one.column)) + (one.ofWall ? " (a boundary)" : "");
-    return [one.isShort && !isNew ? "short" : "", SEEN[one.column] + (isNew ? " (under its new command)" : ""), saw(run, row, one), bound];
+    return [one.isShort && !isNew ? "short" : "", sensed(run, one.column) + (isNew ? " (under its new command)" : ""), saw(run, row, one), bound];
   });
   const heads = ["it sensed", states[0].wasDanger ? "safe again above" : "danger below"];
   const top = el("thead", {}, el("tr", {}, el("td", {}), heads.map((words) => el("th", { scope: "col" }, words))));
@@ -155,8 +162,8 @@ function factTable(run, robot, row, go, time) {
   if (why.robots) add("controller", why.controller);
   const others = run.considered(row);
   if (others) {
-    const buttons = others.slice(0, MOST_OTHERS).map((other) =>
-      button(run.names[other], () => go({ robot: other }), { class: "link" }));
+    const buttons = others.slice(0, MOST_OTHERS).map((other) => (other < run.robots
+      ? button(run.names[other], () => go({ robot: other }), { class: "link" }) : run.names[other]));
     const more = others.length > MOST_OTHERS ? [`and ${others.length - MOST_OTHERS} more`] : [];
     add("considered", ...(others.length ? [...buttons, ...more] : ["no robot"]));
   } else if (at("considered") >= 0) add("considered", plural(at("considered"), "robot"));

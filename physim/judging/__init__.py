@@ -1,0 +1,7 @@
+"""Judge poses that no run of physim made: a log of real robots, or of another simulator."""
+
+from __future__ import annotations
+
+from physim.judging.judge import judge
+
+__all__ = ["judge"]

@@ -173,7 +173,8 @@ def _times(record: Record, table: DecisionTable) -> tuple[IntArray, FloatArray]:
         twist[:, : record.robots] = twists_over(record, start, end)
         scan = partial(
             decision_times, step, robot, len(rows), poses.reshape(-1, 3), record.moving, start,
-            read_only(twist.reshape(-1, 3)), record.shapes, record.walls, len(record.walls.radius), LOOK,
+            read_only(twist.reshape(-1, 3)), record.shapes, record.walls,
+            len(record.walls.radius), LOOK,
         )  # fmt: skip
         found.append(room.filled(scan, 1))
     who, values = (np.concatenate(some) for some in zip(*found, strict=True))

@@ -7,6 +7,10 @@ collision time; ties, two infinities included, are settled by (5). A collision t
 ``horizon`` counts as infinite: under a short one (ten_robots: 4.5 s) all commands that are safe
 that long are equal in (13), and (5) decides among them.
 
+A car that stands cannot turn, so standing, which (13) likes best, might hold it for ever. To it all
+commands that are safe for ``time_high`` are equal, and standing is as good as one that is safe for
+``time_low``: rather than stand it backs, or goes on, where that is safe.
+
 Pairs whose discs are farther apart than the smallest value found are left out, and so are
 candidates that have lost. No choice depends on it.
 """
@@ -216,10 +220,13 @@ def longest_pair(
     horizon: float,
     period: float,
     aim: Aim,
+    stand: float,
+    most: float,
 ) -> tuple[int, float]:
     """Index of the speed pair with the largest smallest collision time (13), and that time.
 
-    ``known_time`` is that of the speed pair ``known``, which may be one of ``pairs``.
+    ``known_time`` is that of the speed pair ``known``, which may be one of ``pairs``. Times beyond
+    ``most`` count as that, and those of standing as no more than ``stand`` [s].
     """
     pose, best, longest = bodies.pose[near.me], 0, -np.inf
     best_value = Judgement(np.inf, np.inf, np.inf)
@@ -228,6 +235,7 @@ def longest_pair(
         xi = known_time
         if pairs.each[c, 0] != known[0] or pairs.each[c, 1] != known[1]:
             xi = smallest_time(bodies, near, pairs.each[c], horizon, enough)
+        xi = min(xi, most if pairs.each[c, 0] != 0.0 else stand)
         if xi < enough:
             continue
         value = judged_pair(pose, pairs.each[c:], period, aim)

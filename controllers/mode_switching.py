@@ -301,9 +301,14 @@ def decide_one(
             best = widest_pair(bodies, near, pairs, walls_count, rules.update_period, aim)
         else:
             rule = LONGEST
+            stand, most, is_car = np.inf, np.inf, False
+            if reach.counts and reach.each[i, 5] < np.inf:
+                stand, most, is_car = rules.time_low, rules.time_high, True
             best, xi = longest_pair(
-                bodies, near, pairs, pair, xi, rules.horizon, rules.update_period, aim
+                bodies, near, pairs, pair, xi, rules.horizon, rules.update_period, aim, stand, most
             )
+            if is_car:
+                xi = smallest_time(bodies, near, room.pairs[best], rules.horizon, -1.0)
             evaluations += count * (others + 1)
         pair = room.pairs[best]
         if mode == DISTANCE:

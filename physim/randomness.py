@@ -111,7 +111,7 @@ def draw(
     found = np.empty(4, np.uint64)
     for k in range(many):
         if is_normal:
-            draw_normal(key, step, first[k], second[k], out[k])
+            draw_normal(key, step, first[k], second[k], 2, out[k])
         else:
             philox(key[0], key[1], step, first[k], second[k], np.uint64(0), found)
             for m in range(4):
@@ -119,11 +119,13 @@ def draw(
 
 
 @compiled
-def draw_normal(key: Words, step: Word, first: Word, second: Word, out: FloatArray) -> None:
-    """Write four normal numbers (4,) of a pair of indices, by Box and Muller."""
+def draw_normal(
+    key: Words, step: Word, first: Word, second: Word, pairs: int, out: FloatArray
+) -> None:
+    """Write the first two or four normal numbers of a pair of indices, by Box and Muller."""
     found = np.empty(4, np.uint64)
     philox(key[0], key[1], step, first, second, np.uint64(0), found)
-    for m in range(2):
+    for m in range(pairs):
         radius = sqrt(-2.0 * log(1.0 - share(found[2 * m])))
         angle = 2.0 * pi * share(found[2 * m + 1])
         out[2 * m], out[2 * m + 1] = radius * cos(angle), radius * sin(angle)

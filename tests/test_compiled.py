@@ -117,14 +117,21 @@ def swept_contacts(rng: Any) -> Any:
 def stops_and_energy(rng: Any) -> Any:
     _, shapes, end = random_scene(rng, 6, 1.5)
     share, way = np.ones(4), rng.uniform(-2.0, 2.0, (4, 3))
-    moves = Moves(shapes, end, way, share, 4, 6)
+    goes_on = np.array([False, False, rng.random() < 0.5, False])  # a mover, now and then
+    moves = Moves(shapes, end, way, share, goes_on, 4, 6)
     key = np.array([a * 6 + b for a in range(4) for b in range(a + 1, 6)])
     cut_short(key, len(key), moves, 0.01)
     impulse, failed = np.zeros(len(key)), np.empty(4, np.bool_)
     inertia, given, found = rng.uniform(0.5, 2.0, (3, 4, 3))
+    inertia[goes_on], found[goes_on] = 0.0, given[goes_on]
     some = key[rng.random(len(key)) < 0.2]
     pairs = Pairs(some, impulse[: len(some)], len(some))
-    return share, failures(pairs, inertia, given, found, 4, 6, 1.0, failed), failed, impulse
+    return (
+        share,
+        failures(pairs, inertia, given, found, 4, 6, 1.0, np.ones(4), failed),
+        failed,
+        impulse,
+    )
 
 
 def three_robots(_: Any) -> Any:

@@ -23,8 +23,8 @@ def listing(
     json: JsonFlag = False,
     out: Out,
 ) -> int:  # fmt: skip
-    """List the shipped worlds and the registered controllers, sensing stages, filters, disturbances
-    and observers, one line each; also metrics and plots of other packages.
+    """List the shipped worlds and the registered controllers, sensing stages, filters,
+    disturbances, observers and drives, one line each; also metrics and plots of other packages.
 
     exit codes:
       0    listed
@@ -39,10 +39,10 @@ def listing(
     from physim.analysis.metrics import DEFINITIONS
     from physim.analysis.metrics.registered import taken_name
     from physim.drawing.plots import NAMES
-    from physim.parts.registry import KINDS, METRIC, PLOT, part_names
+    from physim.parts.registry import DRIVE, KINDS, METRIC, PLOT, part_names
     from physim.world.file.files import shipped_worlds
 
-    kinds = (*KINDS, METRIC, PLOT)
+    kinds = (*KINDS, DRIVE, METRIC, PLOT)
     found = {"worlds": shipped_worlds()}
     found |= {f"{kind.word}s": part_names(kind) for kind in kinds}
     for kind, own in ((METRIC, DEFINITIONS), (PLOT, NAMES)):

@@ -84,11 +84,13 @@ class LastDrawn(NamedTuple):
 def last_drawn(key: Words, chance: Chance, slot: int, i: int, j: int) -> LastDrawn:
     """The slot, up to ``slot``, in which the link from j to i was drawn last, and as what."""
     found = np.empty(4, np.uint64)
+    block = -1
     while slot >= 0:
-        philox(
-            key[0], key[1], np.uint64(slot), np.uint64(i), np.uint64(j), np.uint64(0), found
-        )  # fmt: skip
-        drawn = share(found[0])
+        if slot // 4 != block:
+            block = slot // 4
+            one = np.uint64(block)
+            philox(key[0], key[1], one, np.uint64(i), np.uint64(j), np.uint64(0), found)
+        drawn = share(found[slot % 4])
         if slot == 0:
             return LastDrawn(0, drawn < chance.share)
         if drawn < chance.bad:

@@ -139,13 +139,16 @@ def put_error(
     out[0], out[1], out[2] = 0.0, 0.0, 0.0
     for k in range(2 if u > 0.0 else 1):
         share = (1.0 - u if k == 0 else u) / norm
-        draw_normal(key, np.uint64(knot + k), np.uint64(i), np.uint64(j), drawn)
-        for m in range(3):
+        pairs = 2 if size.heading > 0.0 else 1
+        draw_normal(key, np.uint64(knot + k), np.uint64(i), np.uint64(j), pairs, drawn)
+        for m in range(1 + pairs):
             out[m] += share * drawn[m]
-    c, s = cos(heading), sin(heading)
-    out[0] = size.position * out[0] + (c * size.forward - s * size.left)
-    out[1] = size.position * out[1] + (s * size.forward + c * size.left)
+    out[0], out[1] = size.position * out[0], size.position * out[1]
     out[2] = size.heading * out[2] + size.turned
+    if size.forward != 0.0 or size.left != 0.0:
+        c, s = cos(heading), sin(heading)
+        out[0] += c * size.forward - s * size.left
+        out[1] += s * size.forward + c * size.left
 
 
 @compiled

@@ -61,7 +61,8 @@ def judge(
     robots, moving = scene.robots, scene.moving
     found = read_log(Path(log), [body.name for body in scene.bodies[:moving]])
     limits = np.full((moving, 2), np.inf)
-    limits[:robots] = scene.limits
+    limits[:robots, 0] = np.hypot(scene.limits[:, 0], scene.limits[:, 2:].sum(axis=1))
+    limits[:robots, 1] = scene.limits[:, 1]
     motion = motion_of(found, limits, every, gaps, jumps, degrees)
     start, steps = motion.pose[0, :robots], len(motion.pose) - 1
     scene = replace(scene, dt=motion.dt, steps=steps, start=start)

@@ -199,7 +199,8 @@ class Expectation(Model):
     )
     min_distance: Signed | None = Field(
         default=None,
-        description="[m] least distance between two robots; below 0: how deep they may overlap",
+        description="[m] least distance of a robot from another, from a mover and from an obstacle "
+        "that can be pushed; below 0: how deep they may overlap",
     )
     min_boundary_distance: Signed | None = Field(
         default=None,

@@ -66,6 +66,8 @@ def scene_of(history: History) -> Scene:
         wall_tree=build_wall_tree(walls),
         mass=np.ones(n),
         limits=np.array([robot.limits for robot in robots]),
+        curvature=np.full(n, np.inf),
+        braking=np.full(n, np.inf),
         start=np.array([robot.pose for robot in robots]),
         paths=pack_polylines([robot.path for robot in robots]),
         reference=pack_polylines([history.reference]),

@@ -243,3 +243,17 @@ def test_a_controller_knows_its_wheels_and_what_it_can_come_to():
     assert (later.v, later.steering) == pytest.approx((0.5, math.atan(0.4)))
     assert later.reachable(0.1).curvature[1] == pytest.approx(math.tan(math.atan(0.4) + 0.1) / 0.8)
     assert first.clipped(1.0, 1.0, 0.1) == pytest.approx((0.1, 0.1 * math.tan(0.1) / 0.8))
+
+
+def test_a_car_that_faces_a_wall_backs_and_goes_on():
+    """Standing meets nothing for ever, and a car that stands cannot turn."""
+    blocked = physim.parse_world(
+        "name: blocked\nseed: 1\ntime: {step: 0.02, duration: 12.0}\n"
+        "corridor: {centreline: [[0, 0], [30, 0]], width: 5}\nrobots:\n"
+        "  - {name: a, footprint: {length: 0.8, width: 0.6}, pose: [5, 1.2, 1.3], "
+        f"path: {{offset: 0}}, drive: {SLOW}}}\n"
+    )
+    run = physim.simulate(blocked)
+    assert len(run.contacts) == 0
+    assert run.commands_over("applied", 0, run.steps_run)[:, 0, 0].min() < -0.1
+    assert run.pose[-1, 0, 0] > 7.0

@@ -195,9 +195,10 @@ def with_robots(tree: Tree, kept: Sequence[int]) -> Tree:
 
 
 def fewer_things(found: Shrunk) -> Iterator[Tree]:
-    """Leave out what need not be given: obstacles, formation, stages, settings, limits."""
-    if found.tree.get("obstacles"):
-        yield from fewer(found, ("obstacles",), 0)
+    """Leave out what need not be given: obstacles, movers, formation, stages, settings, limits."""
+    for key in ("obstacles", "movers"):
+        if found.tree.get(key):
+            yield from fewer(found, (key,), 0)
     if found.tree.get("boundaries"):
         yield from fewer(found, ("boundaries",), 1)
     places: list[Place] = [(key,) for key in OPTIONAL]
@@ -232,7 +233,8 @@ def straighter(found: Shrunk) -> Iterator[Tree]:
         yield from fewer(found, ("corridor", "centreline"), 2, _with_centreline)
     places: list[Place] = [("reference_path",)] if found.tree.get("reference_path") else []
     for key in ("boundaries", "obstacles"):
-        places += [(key, k) for k in range(len(found.tree.get(key) or []))]
+        for k, line in enumerate(found.tree.get(key) or []):
+            places.append((key, k) if isinstance(line, list) else (key, k, "corners"))
     paths = enumerate(robot.get("path") for robot in found.tree["robots"])  # a group has several
     places += [("robots", k, "path") for k, path in paths if isinstance(path, list)]
     for place in places:

@@ -17,6 +17,7 @@ from physim.parts.registry import made_controller
 from physim.parts.world_checks import robot_faults
 from physim.simulation.team import driving
 from physim.world import Robot, World, each_robot
+from physim.world.ground.lines import placed_outline
 from physim.world.layout.layout import lay_out
 from physim.world.layout.occupancy import Occupancy
 from physim.world.scene import Layout
@@ -54,6 +55,7 @@ class Starts:
         self._walls = [
             *(shapely.LineString(line) for line in laid.boundaries.values()),
             *(shapely.Polygon(ring) for ring in laid.obstacles),
+            *(placed_outline(one.outline, one.start) for one in laid.moved),
         ]
         area = laid.area.polygon
         self.free = [area if one is None else shapely.intersection(area, one) for one in regions]

@@ -132,7 +132,8 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
             lines += wrapped(text, "  ", "    ")
     told = every[:MOST_TOLD_IN_FULL] if full else [some[0] for some in pairs.values()][:MOST_TOLD]
     for one in told:
-        lines += wrapped(" ".join(sentences(one, names)), "  - ", "    ")
+        said = " ".join(sentences(one, names, run.considered))
+        lines += wrapped(said, "  - ", "    ")
     if left := len(every) - len(told):
         lines.append(
             f"  and {left} more ({'--json FILE has all' if full else '--full prints them'})"

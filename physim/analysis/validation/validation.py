@@ -92,6 +92,11 @@ class Run:
         """How many bodies move: robots, movers and obstacles that can be pushed."""
         return moving(self.bodies)
 
+    @property
+    def considered(self) -> str:
+        """What robots consider, in a word: robots, or others, where something else moves."""
+        return "robot" if self.moving == self.robots else "other"
+
 
 @dataclass(frozen=True, repr=False)
 class Validation:
@@ -331,7 +336,7 @@ def json_of_validation(validation: Validation) -> str:
     values = plain(validation, infinite=True, named=(Mode, Rule))
     for key in ("contacts", "grazes"):
         for one, said in zip(getattr(validation, key), values[key], strict=True):
-            said["sentences"] = sentences(one, validation.names)
+            said["sentences"] = sentences(one, validation.names, validation.run.considered)
     found = {
         "format": "physim-validation",
         "version": 3,

@@ -46,7 +46,9 @@ def pack_decisions(
     pack.whole("hold", np.minimum(hold, LARGEST - 1))  # one decision for all time may be more
     for name in ("mode", "rule", "considered"):
         pack.whole(name, rows[name])
-    for name in ("nominal_v", "nominal_omega", "applied_v", "applied_omega"):
+    for name in rows.dtype.names or ():
+        if not name.startswith(("nominal_", "applied_")):
+            continue
         if name.startswith("nominal") or len(record.commands):
             pack.real(name, rows[name], SPEEDS)
     shown = list(OWN if few else OWN[2:])

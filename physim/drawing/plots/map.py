@@ -297,6 +297,11 @@ def _write_times(axis: Any, scene: SceneModel, record: Record, at: IntArray) -> 
     robots, reach = pointed(axis, record.pose[at][:, :, :2].reshape(-1, 2)), scene.reach.max()
     reach *= np.ptp(pointed(axis, np.array([[0.0, 0.0], [1.0, 0.0]]))[:, 0])
     taken = np.concatenate((robots - reach, robots + reach), axis=1)
+    for row in at if scene.moved else ():
+        poses = record.moving_pose[row, record.robots :]
+        for body, pose in zip(scene.moved_shapes, poses, strict=True):
+            outline = pointed(axis, placed(body.rings[0], pose))
+            taken = np.vstack((taken, np.append(outline.min(axis=0), outline.max(axis=0))))
     lines = _priced(axis, ((walls, ON_WALL), (courses, ON_PATH)))
     found = settle(axis, notes, lines, taken)
     for one, is_placed in zip(notes, found, strict=True):

@@ -233,8 +233,10 @@ class Beside:
             draw_signs(canvas, BAR_END + 2 * PAD, HEIGHT - FOOTER + 14, ROW, contact)
             left = view.box.left + BESIDE
             owner = owner_of(timeline.drivers)
-            still = {word + owner if word in KEPT else word for word in GROUND}
-            for words in (word for word in reversed(entries) if word in still):
+            still = {word + owner if word in KEPT else word for word in (*GROUND, "mover")}
+            ordered = [*reversed(entries)]
+            ordered.sort(key=lambda word: word != "mover")
+            for words in (word for word in ordered if word in still):
                 wide = SIGN + width(words, TEXT)
                 if left + wide <= right:  # of what stands still as many as have the room
                     entry = [(words, entries[words])]

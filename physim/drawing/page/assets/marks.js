@@ -114,14 +114,14 @@ export function drawSight(context, run, robot, time, pose, lens, colours) {
     line(context, at, to, colours.ink, 1.2);
     disc(context, ...to, 3, colours.ink);
   }
-  const [v, omega] = run.commands(robot, time).applied;
+  const [v, omega, lateral = 0] = run.commands(robot, time).applied;
   context.beginPath();
   let [x, y, heading] = pose.subarray(3 * robot, 3 * robot + 3);
   context.moveTo(...at);
   for (let k = 0; k < 20; k++) {
     heading += omega * 0.025;
-    x += v * 0.05 * Math.cos(heading);
-    y += v * 0.05 * Math.sin(heading);
+    x += 0.05 * (v * Math.cos(heading) - lateral * Math.sin(heading));
+    y += 0.05 * (v * Math.sin(heading) + lateral * Math.cos(heading));
     heading += omega * 0.025;
     context.lineTo(...toPixels(lens, x, y));
   }

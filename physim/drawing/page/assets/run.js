@@ -131,10 +131,12 @@ export class Run {
     return [...this.others.subarray(this.othersStart[set], this.othersStart[set + 1])];
   }
 
-  /** Commands of a robot at a time: nominal, filtered, applied, each [v, omega]; kept [s] how exact. */
+  /** Commands of a robot at a time: nominal, filtered, applied, each [v, omega], with the lateral
+   * speed last where robots have any; kept [s] how exact. */
   commands(robot, time) {
     const row = this.decision(robot, time);
-    const own = row < 0 ? [0, 0] : [this.column("nominal_v")[row], this.column("nominal_omega")[row]];
+    const parts = ["v", "omega", "lateral"].filter((part) => this.array.has(`nominal_${part}`));
+    const own = parts.map((part) => (row < 0 ? 0 : this.column(`nominal_${part}`)[row]));
     const apart = this.header.decisions.commands;
     const found = { nominal: own, filtered: own, applied: own, apart };
     if (apart < 0) return found;
@@ -147,7 +149,7 @@ export class Run {
     const old = Math.max(0, Math.round(apart / this.dt) - 1);
     if (at < low || this.commandStep[at] < step - old) return found;
     for (const stage of ["nominal", "filtered", "applied"]) {
-      found[stage] = ["v", "omega"].map((part) => this.column(`command:${stage}_${part}`)[at]);
+      found[stage] = parts.map((part) => this.column(`command:${stage}_${part}`)[at]);
     }
     return found;
   }

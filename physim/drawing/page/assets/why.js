@@ -60,7 +60,7 @@ function tableOf(name, caption, rows, top = null) {
 export function because(view, robot, row, mode, rule) {
   const { run } = view;
   const at = `At ${seconds(run.step[row] * run.dt)} ${run.names[robot]}`;
-  const does = `${at} decided to ${motion(...["nominal_v", "nominal_omega"].map((column) => run.column(column)[row]))}`;
+  const does = `${at} decided to ${motion(...["nominal_v", "nominal_omega", "nominal_lateral"].map((column) => run.column(column)[row]))}`;
   const states = limits(run, row);
   if (!states.length || !mode) return `${does}${driverOf(run, robot).avoids ? "" : "; its avoidance is off"}.`;
   if (!mode.danger) {
@@ -84,11 +84,14 @@ const unitOf = (column) => (column === "collision_time" ? "s" : "m");
 
 /** A command as people say it. */
 function motion(...command) {
-  const [v, omega] = command.map((one) => (Math.abs(one) < 5e-3 ? 0 : one)); // as they are shown
+  const [v, omega, lateral] = command.map((one) => (Math.abs(one) < 5e-3 ? 0 : one)); // as they are shown
   const side = omega > 0 ? "left" : "right";
+  const slides = lateral ? `slide ${lateral > 0 ? "left" : "right"} at ${decimal(Math.abs(lateral), 2)} m/s` : "";
+  const turns = omega ? `, turning ${side}` : "";
+  if (slides && !v) return slides + turns;
   if (!v) return omega ? `turn ${side} where it stands` : "stand still";
   const drive = v > 0 ? `drive at ${decimal(v, 2)} m/s` : `back up at ${decimal(-v, 2)} m/s`;
-  return drive + (omega ? `, turning ${side}` : " straight on");
+  return slides ? `${drive} and ${slides}${turns}` : drive + (turns || " straight on");
 }
 
 function told({ column, value, enter, leave }, run, body) {

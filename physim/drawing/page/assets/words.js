@@ -15,7 +15,8 @@ export const metres = (length) => amount(length, "m");
 
 export const seconds = (time) => amount(time, "s");
 
-export const command = ([v, omega]) => `${decimal(v, 2)} m/s, ${decimal(omega, 2)} rad/s`;
+export const command = ([v, omega, lateral]) =>
+  `${decimal(v, 2)} m/s, ${decimal(omega, 2)} rad/s` + (lateral === undefined ? "" : `, ${decimal(lateral, 2)} m/s to the left`);
 
 export const plural = (count, one, many = `${one}s`) => `${count} ${count === 1 ? one : many}`;
 

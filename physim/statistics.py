@@ -247,7 +247,10 @@ def decide(goal: Goal, outcomes: ArrayLike, confidence: float = CONFIDENCE) -> D
     at = int(np.argmax(enough)) if enough.any() else len(good) - 1
     low, high, decided = float(looks.low[at]), float(looks.high[at]), bool(enough[at])
     holds = (low > goal.number) == (goal.sign == ">") if goal.sign and decided else None
-    return Decision(at + 1, int(looks.successes[at]), low, high, decided, holds)
+    successes = int(looks.successes[at])
+    if goal.sign:  # ends of earlier looks may leave the share of now out
+        low, high = min(low, successes / (at + 1)), max(high, successes / (at + 1))
+    return Decision(at + 1, successes, low, high, decided, holds)
 
 
 class Watch:

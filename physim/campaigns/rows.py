@@ -98,6 +98,7 @@ class Row:
     robots: Annotated[Count | None, Column("number of robots", "-")] = None
     contacts: Count | None = None
     contacts_between_robots: Count | None = None
+    contacts_with_movers: Count | None = None
     contacts_with_boundaries: Count | None = None
     grazes: Count | None = None
     first_contact: Size | None = None

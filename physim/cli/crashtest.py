@@ -27,9 +27,9 @@ def crashtest(
     quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
-    """Drive random footprints into each other and into walls, at constant (v, omega), and compare
-    the first physical contact of each case with its collision time. Each case in which the two
-    differ for no known reason is written as a world for physim run.
+    """Drive random footprints into each other, into walls, movers and boxes, at constant commands,
+    and compare the first physical contact of each case with its collision time. Each case in which
+    the two differ for no known reason is written as a world for physim run.
 
     options:
       --cases N  number of random cases (10000)

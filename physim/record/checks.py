@@ -8,7 +8,7 @@ a file whose index was changed byte by byte.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from physim.errors import RecordError, WorldError
 from physim.escaping import escaped
 from physim.parts.user_code import first_fault
 from physim.record import layout
-from physim.record.layout import Bound, Dataset
+from physim.record.table import Bound, Dataset
 
 AGAIN = "make the record again"
 MOST_PACKED, LITTLE = 30, 10_000_000
@@ -103,20 +103,21 @@ def attributes_of(file: h5py.File, where: str) -> dict[str, Any]:
 def check_datasets(
     file: h5py.File,
     where: str,
-    table: Mapping[str, Dataset[Any]],
+    tables: Sequence[str],
     sizes: Mapping[str, int],
     types: Mapping[str, np.dtype[Any]],
 ) -> None:
-    """Check that an open file has every dataset of a ``table``, each of its type and shape.
+    """Check that an open file has every dataset that it needs, each of its type and shape.
 
-    ``sizes`` are those of shapes that are known, ``types`` those of rows that grow. Raises
-    RecordError that names the first that is missing or not as it should be.
+    ``tables`` are the optional ones that it says it has, ``sizes`` those of shapes that are known,
+    ``types`` those of rows that grow. Raises RecordError that names the first that is missing or
+    not as it should be.
     """
     there: set[str] = set()
     with reading(where, "a dataset"):
         file.visit(there.add)  # no links, which may lead to other files
-        for path, one in table.items():
-            if not one.needed and path[1:] not in there:
+        for path, one in layout.TABLE.items():
+            if not (one.needed or path[1:] in (*tables, *there)):
                 continue
             found = file[path] if path[1:] in there else None
             if fault := _fault(found, one, types.get(path, one.dtype).base, sizes):

@@ -66,10 +66,7 @@ def digest_of(record: Record, attributes: Mapping[str, Any]) -> str:
     for name, value in (*HEAD.items(), *((name, attributes[name]) for name in named)):
         total.update(f"{name}={value!r}\n".encode())
     told = texts(record.bodies, record.declared)
-    held = layout.held(record.tables)
-    for path in (path for path in PARTS if path in KNOWN or path in held):
-        if path in held and not record.holds(path):
-            continue
+    for path in (path for path in PARTS if path in told or record.holds(path)):
         samples = path in (*layout.STEPS, layout.Layout.steering.path)
         last = 0 if samples else None
         rows = told[path] if path in told else record.read(path, 0, last, check=False)

@@ -7,21 +7,10 @@ angles radians, times seconds, in the world frame; steps count from 0, the start
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import (
-    Annotated,
-    Any,
-    Generic,
-    Literal,
-    NamedTuple,
-    Self,
-    TypeVar,
-    get_args,
-    get_type_hints,
-    overload,
-)
+from typing import Annotated, Any, Literal, TypeVar, get_args, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,16 +27,12 @@ from physim.geometry.shapes import (
 )
 from physim.parts.declarations import NO_NUMBER, Declared, Line
 from physim.parts.given import GivenSettings
+from physim.record.table import Column, Dataset, Packed
 from physim.world.rules import MOST_STEPS
 from physim.world.scene import Body
 
 T = TypeVar("T")
 Rows = NDArray[np.void]
-Bound = float | str | None
-"""Least or greatest value of a column: a number, or the highest number of ``robots``, ``moving``,
-``bodies``, ``modes``, ``rules`` or ``steps`` that there are; as the least also another column,
-which it is above. None: any value, NaN too."""
-
 Format = Literal["physim-record"]
 Version = Literal["5"]
 """Raised with every change of the layout. 5: names and declarations are attributes of JSON."""
@@ -208,105 +193,6 @@ AttributesModel = create_model("AttributesModel", **_HINTS)
 
 
 # Datasets
-
-
-class Column(NamedTuple):
-    """A column of a table."""
-
-    name: str
-    kind: str
-    unit: str
-    words: str
-    least: Bound = None
-    most: Bound = None
-
-
-class Property(Generic[T]):
-    """A property of a `Record`, made when it is first asked for."""
-
-    name = ""
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        """Take the name of the property."""
-        self.name = name
-
-    @overload
-    def __get__(self, record: None, owner: type) -> Self: ...
-    @overload
-    def __get__(self, record: object, owner: type) -> T: ...
-    def __get__(self, record: Any, owner: type) -> Self | T:
-        """What a record holds; of the class, the property itself."""
-        if record is None:
-            return self
-        made: T = vars(record).setdefault(self.name, self.of(record))
-        return made
-
-    def of(self, record: Any) -> Any:
-        """Make it from a record, which can ``read`` a dataset."""
-        raise NotImplementedError
-
-
-class Dataset(Property[T]):
-    """A dataset of the file, all of its rows.
-
-    ``row`` are the columns of its rows, or their type; of a plain type ``least`` and ``most``
-    bound the values. ``shape`` names its sizes: N robots, B bodies that move, W boundaries and
-    obstacles that stand, K samples, M rows; others are free. ``starts`` is the path of packed items
-    whose runs begin where it says, each of ``fewest`` items or more. One that is not ``needed`` is
-    in records of some worlds only.
-    """
-
-    def __init__(
-        self,
-        path: str,
-        shape: str,
-        row: str | tuple[Column, ...],
-        words: str,
-        unit: str = "",
-        least: Bound = None,
-        most: Bound = None,
-        *,
-        starts: str = "",
-        fewest: int = 1,
-        needed: bool = True,
-    ) -> None:
-        self.path, self.shape, self.words, self.unit = path, tuple(shape.split()), words, unit
-        self.fields = row if isinstance(row, tuple) else (Column("", row, unit, "", least, most),)
-        self.starts, self.fewest, self.needed = starts, fewest, needed
-        self.__doc__ = f"({', '.join(self.shape)}) {f'[{unit}] ' if unit else ''}{words}"
-
-    @property
-    def field(self) -> str:
-        """Last part of the path."""
-        return self.path.rpartition("/")[2]
-
-    @property
-    def dtype(self) -> np.dtype[Any]:
-        """Type of a value, or of a row of columns; of decisions without the declared columns."""
-        if not self.fields[0].name:
-            return np.dtype(self.fields[0].kind)
-        return np.dtype([(field.name, field.kind) for field in self.fields])
-
-    def of(self, record: Any) -> Any:
-        """All its rows."""
-        return record.read(self.path)
-
-
-class Packed(Property[T]):
-    """What is ``put`` together from several datasets."""
-
-    def __init__(self, put: Callable[..., T], words: str, *datasets: Dataset[Any]) -> None:
-        self.put, self.datasets, self.__doc__ = put, datasets, words
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        """Take the name of the property, for its datasets too."""
-        super().__set_name__(owner, name)
-        for one in self.datasets:
-            one.name = name
-
-    def of(self, record: Any) -> Any:
-        """What its datasets make."""
-        return self.put(*(record.read(one.path) for one in self.datasets))
 
 
 def _points(path: str, words: str) -> Dataset[FloatArray]:
@@ -491,7 +377,7 @@ class Layout(Attributes):
             Column("heard", "<f8", "s", "how old that is; inf: not told, but estimated", 0.0),
         ),
         "what each robot that decided sensed of bodies within range and knew of formation "
-        "neighbours; only where it was asked for (physim run --keep-sensed)",
+        "neighbours; only where it was asked for (physim run --keep-sensed)", needed=False,
     )  # fmt: skip
     state_bytes = Dataset[NDArray[np.uint8]](
         "/state_bytes", "S", "u1", "states that were kept, one after the other, each NumPy's .npz"
@@ -533,7 +419,7 @@ TABLE: dict[str, Dataset[Any]] = {
     for one in (made.datasets if isinstance(made, Packed) else (made,))
     if isinstance(one, Dataset)
 }
-"""Every dataset of a record, by its path; `SENSED`, and those not needed, may be absent."""
+"""Every dataset of a record, by its path; those not needed may be absent."""
 EXTREMES, EXTREMES_FARTHEST = Layout.extremes.path, Layout.farthest.path
 ARRIVED, OTHERS = Layout.arrived.path, Layout.others.path
 TABLES = tuple(path for path, one in TABLE.items() if one.shape == ("M",) and one.fields[0].name)
@@ -563,26 +449,25 @@ def _widened(columns: Sequence[Column], sideways: bool) -> list[tuple[str, str]]
     return found
 
 
-def held(tables: Sequence[str]) -> dict[str, Dataset[Any]]:
-    """Those of `TABLE` that a record has which holds these optional tables."""
-    return {path: one for path, one in TABLE.items() if path[1:] != SENSED or SENSED in tables}
-
-
 def row_types(
-    robots: int, moving: int, columns: Sequence[str], sideways: bool = False, steers: bool = False
+    robots: int, moving: int, columns: Sequence[str], sideways: bool, also: Collection[str] = ()
 ) -> dict[str, np.dtype[Any]]:
     """Type and shape of a row of each dataset that grows, for N robots, B bodies that move and
     declared columns.
 
-    ``sideways``: whether commands have a lateral speed; ``steers``: whether wheels steer.
+    ``sideways``: whether commands have a lateral speed; ``also``: paths of those that grow though
+    not every record needs them.
     """
-    types: dict[str, np.dtype[Any]] = {path: TABLE[path].dtype for path in TABLES}
+    growing = [path for path, one in TABLE.items() if one.needed or path in also]
+    types: dict[str, np.dtype[Any]] = {
+        path: TABLE[path].dtype for path in TABLES if path in growing
+    }
     types[Layout.updates.path] = update_type(columns, sideways)
     types[Layout.commands.path] = np.dtype(_widened(Layout.commands.fields, sideways))
     types[Layout.state_bytes.path] = np.dtype("u1")
     types[OTHERS] = np.dtype("<u2" if moving <= 1 << 16 else "<i4")
     sizes = {"N": robots, "B": moving, "3": 3}
-    for path in (*([Layout.steering.path] if steers else []), *STEPS):
+    for path in (path for path in growing if TABLE[path].shape[:1] == ("K",)):
         rest = tuple(sizes[size] for size in TABLE[path].shape[1:])
         types[path] = np.dtype((TABLE[path].dtype, rest))
     return types

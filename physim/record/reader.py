@@ -36,6 +36,7 @@ from physim.record.course import followed
 from physim.record.digest import digest_of, texts
 from physim.record.lock import WriteLock
 from physim.record.setup import Setup, setup_of
+from physim.record.table import Dataset, Property
 from physim.world.rules import MOST_STEPS
 
 if TYPE_CHECKING:
@@ -83,8 +84,8 @@ class Record(layout.Layout):
             names = [column.name for column in declared.columns]
             sideways = has_column(file, layout.Layout.commands.path, f"applied_{layout.SIDEWAYS}")
             types = layout.row_types(self.robots, self.moving, names, sideways)
-            held = layout.held(self.tables)
-            check_datasets(file, self.where, held, {**sizes, "2": 2, "3": 3}, types)
+            sizes |= {"2": 2, "3": 3}
+            check_datasets(file, self.where, self.tables, sizes, types)
         grown = [path for path in (*layout.STEPS, layout.Layout.steering.path) if path in file]
         self.samples = min(len(file[path]) for path in grown)
         """how many samples were recorded"""
@@ -106,7 +107,7 @@ class Record(layout.Layout):
         """Leave out what was written after the last sample of a run that was killed."""
         last = int(self.steps[-1]) if self.samples else -1
         self.steps_run = max(self.begun_at, last)
-        for path in (path for path in layout.TABLES if path in layout.held(self.tables)):
+        for path in filter(self.holds, layout.TABLES):
             with reading(self.where, path):
                 step = self._file[path].fields("step")[()]
             self._rows[path] = int(np.count_nonzero(step <= last))
@@ -139,11 +140,11 @@ class Record(layout.Layout):
         Raises RecordError, one line: table, row, what was given, what is allowed.
         """
         for name, one in vars(layout.Layout).items():
-            shape = one.shape[:2] if isinstance(one, layout.Dataset) else ()
+            shape = one.shape[:2] if isinstance(one, Dataset) else ()
             if (
                 name != layout.SENSED
                 and shape not in (("K", "N"), ("K", "B"), ("S",))
-                and (isinstance(one, layout.Property))
+                and isinstance(one, Property)
             ):
                 getattr(self, name)
         _ = self.considered
@@ -178,7 +179,7 @@ class Record(layout.Layout):
         """
         if path not in layout.TABLE:
             return texts(self.bodies, self.declared)[path][first:last]
-        if path not in layout.held(self.tables):
+        if path == layout.Layout.sensed.path and not self.holds(path):
             raise RecordError(
                 f"{self.where}: what robots sensed was not kept; physim run --keep-sensed, or "
                 "simulate(world, save=SaveAt(sensed=True)), keeps it"
@@ -195,7 +196,7 @@ class Record(layout.Layout):
         return read_only(rows)
 
     def holds(self, path: str) -> bool:
-        """Whether the file has a dataset; it may lack those that not every world has."""
+        """Whether the file has a dataset; it may lack those that not every record needs."""
         return layout.TABLE[path].needed or path in self._file
 
     @property

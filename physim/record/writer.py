@@ -33,6 +33,7 @@ from physim.record import layout
 from physim.record.checks import open_record
 from physim.record.crash_safe import PAGE, CrashSafeFile
 from physim.record.reader import Record
+from physim.record.table import Dataset
 from physim.world.scene import Scene
 
 if TYPE_CHECKING:
@@ -129,7 +130,8 @@ class RecordWriter:
         self.arrived = np.full(self.robots, -1, dtype=np.int64)
         columns, steers = getattr(scene, "columns", 2), getattr(scene, "steers", False)
         names = [column.name for column in declared.columns]
-        self.types = layout.row_types(self.robots, self.moving, names, columns > 2, steers)
+        also = [f"/{name}" for name in tables] + [layout.Layout.steering.path] * steers
+        self.types = layout.row_types(self.robots, self.moving, names, columns > 2, also)
         """type of the rows of each dataset that grows, by its path"""
         self._waiting: dict[str, list[NDArray[Any]]] = {path: [] for path in self.types}
         self._flush_every_s = flush_every_s
@@ -189,7 +191,7 @@ class RecordWriter:
                 self._file.create_group(layout.WALL_CLOCK)
                 self._datasets = {
                     path: self._made(one, scene.steps // every + 2)
-                    for path, one in layout.held(tables).items()
+                    for path, one in layout.TABLE.items()
                     if one.needed or path in self.types
                 }
                 self.flush()
@@ -197,7 +199,7 @@ class RecordWriter:
             self._abandon()
             raise
 
-    def _made(self, one: layout.Dataset[Any], samples: int) -> h5py.Dataset:
+    def _made(self, one: Dataset[Any], samples: int) -> h5py.Dataset:
         """Make a dataset; one that grows, for a run of so many samples."""
         path = one.path
         if path not in self.types:

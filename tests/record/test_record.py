@@ -129,7 +129,7 @@ def attribute(name: str, value: Any) -> Callable[[h5py.File], None]:
 STATES = ("/states", "/state_bytes", "/robots/begun_along")
 """Outside the digest: a run has them or not, or they follow from what is in it."""
 INSIDE = {
-    **{path: bit(path) for path, one in TABLE.items() if one.needed and path not in STATES},
+    **{path: bit(path) for path in TABLE if path not in (*STATES, "/steps/steering")},
     "a name": told("bodies", None, 1, name="other"),
     "words": told("declared", "modes", 0, words="other"),
     "a colour": told("declared", "modes", 0, colour="#000000"),

@@ -89,6 +89,16 @@ def test_a_bound_that_the_interval_only_touches_is_not_decided(text: str, good: 
     assert not any(watch.add(good) for _ in range(50))
 
 
+def test_the_interval_told_holds_the_share_told() -> None:
+    """Also where the runs drift, so that ends of earlier looks leave the share out."""
+    good = [True] * 60 + [False] * 40
+    found = decide(Goal("rate", ">", 0.92), good)
+    looks = running(good[: found.runs])
+    share = found.successes / found.runs
+    assert share < looks.low[-1]
+    assert (found.low, found.high, found.holds) == (share, looks.high[-1], False)
+
+
 def test_without_enough_runs_nothing_is_decided() -> None:
     found = decide(Goal("rate", ">", 0.999), [True] * 100)
     assert (found.runs, found.decided, found.holds) == (100, False, None)

@@ -42,6 +42,7 @@ robots:
     mass: 90.0
     speeds: [0.0, 1.0]
     omegas: [-1.0, 0.0, 1.0]
+    drive: unicycle
   - name: r2
     footprint: [[0.9, 0.0], [-0.5, 0.5], [-0.5, -0.5]]
     start: {region: [[1, -1], [9, -1], [9, -3]]}
@@ -54,6 +55,7 @@ robots:
     mass: 90.0
     speeds: [0.0, 1.0]
     omegas: [-1.0, 0.0, 1.0]
+    drive: unicycle
   - count: 1
     footprint: {length: 1.0, width: 0.5}
     start: {region: [[1, -1], [9, -1], [9, -3]]}

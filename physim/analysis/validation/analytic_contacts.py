@@ -1,7 +1,8 @@
 """The analytic contacts of a run: contacts and near approaches computed from the poses alone.
 
-Every pair robot-robot and robot-boundary is followed over every step, block by block, so memory
-stays flat however long the run. Footprints and walls come from the record; what the engine said
+Every pair of bodies that move, and of one that moves and a wall, is followed over every step,
+block by block, so memory stays flat however long the run; movers not with each other, nor with
+walls. Footprints and walls come from the record; what the engine said
 is not looked at here. Between two samples position and angle go linearly, as the engine moves
 them. Discs leave out only what is farther than ``reach`` and farther than the two could move in
 the step, so a leap in a forged record makes dear the steps it is in, and no others.
@@ -16,6 +17,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.analysis.validation.decisions import movers_of
 from physim.compiled import compiled
 from physim.errors import RecordError
 from physim.geometry.bodies import body_distance, point_gap
@@ -191,7 +193,7 @@ def scan_walls(
 FARTHEST_STEP = 1.0e6
 """[m] along an axis that no robot goes in one step: beyond it a search for contacts has no end"""
 BLOCK_POSES = 1 << 14
-"""Poses of robots in one block."""
+"""Poses in one block."""
 LEAST_STEPS = 16
 """Steps in a block of very many robots."""
 
@@ -218,9 +220,9 @@ class AnalyticContacts:
 
 
 def pose_blocks(record: Record) -> Iterator[tuple[FloatArray, int]]:
-    """Poses (B, N, 3) of consecutive samples and the step of the first; each block begins with
+    """Poses (K, B, 3) of consecutive samples and the step of the first; each block begins with
     the last sample of the one before. Raises RecordError for a step that no robot makes."""
-    size = max(LEAST_STEPS, BLOCK_POSES // max(1, record.robots))
+    size = max(LEAST_STEPS, BLOCK_POSES // max(1, record.moving))
     for first in range(0, max(1, record.samples - 1), size):
         last = min(first + size + 1, record.samples)
         if last > first:
@@ -249,10 +251,12 @@ def analytic_contacts(record: Record) -> AnalyticContacts:
     reach = float(shapes.radius.max())  # about half the length of a robot
     touching, grazes, nearest = [np.zeros(0, NEAR)], [np.zeros(0, NEAR)], np.zeros(0, NEAR)
     room = Room()
-    left = len(record.contacts) + MOST_UNKNOWN
+    left, movers = len(record.contacts) + MOST_UNKNOWN, movers_of(record)
     for poses, start in pose_blocks(record):
         row = start - record.begun_at
         rows = near_rows(poses, row, shapes, walls, reach, record.dt, room)
+        is_mover = (movers.start <= rows["a"]) & (rows["a"] < movers.stop)
+        rows = rows[~(is_mover & ((rows["b"] < movers.stop) | (rows["b"] >= record.moving)))]
         rows["step"] += record.begun_at
         touching.append(rows[rows["distance"] <= CONTACT])
         left -= len(touching[-1])
@@ -277,12 +281,12 @@ def least_of_pairs(a: IntArray, b: IntArray, values: FloatArray) -> IntArray:
 
 
 def pair_distance(record: Record, pose: FloatArray, a: int, b: int) -> float:
-    """Signed distance [m] of robot ``a`` and body ``b`` of a record at poses (N, 3)."""
+    """Signed distance [m] of ``a``, which moves, and ``b`` of a record at poses (B, 3)."""
     shapes = record.shapes
-    if b < record.robots:
+    if b < record.moving:
         return float(body_distance(shapes, a, pose[a], shapes, b, pose[b]))
     still = read_only(np.zeros(3))
-    return float(body_distance(shapes, a, pose[a], record.walls, b - record.robots, still))
+    return float(body_distance(shapes, a, pose[a], record.walls, b - record.moving, still))
 
 
 class Room:

@@ -31,6 +31,7 @@ from physim.analysis.validation.analytic_contacts import (
     pair_distance,
     pose_blocks,
 )
+from physim.analysis.validation.decisions import movers_of
 from physim.analysis.validation.finding import UNEXPLAINED, Finding, differs, stretches
 from physim.contacts import Kind, Phase, touching
 from physim.errors import RecordError
@@ -80,7 +81,8 @@ class Comparison:
     """A table for each kind of pairs, and every disagreement in the order of time."""
 
     at_samples: dict[str, Confusion]
-    """keys "robots" and "boundaries": contact at a sample"""
+    """keys "robots" and "boundaries", where something else moves also "movers", of what moves with
+    movers and what can be pushed: contact at a sample"""
     rejected: int
     """contacts between separated shapes that the engine reported and its guard kept out, counted
     over pairs and samples"""
@@ -107,14 +109,18 @@ def compare(
     ]  # fmt: skip
     found.sort(key=lambda one: (one.step or 0, one.bodies))
     theirs, ours = (_keys(rows, record) for rows in (touching(record.contacts), analytic.touching))
-    at_samples, robots = {}, record.robots
-    every = {"robots": robots * (robots - 1) // 2,
-             "boundaries": robots * (len(record.bodies) - robots)}  # fmt: skip
-    for name, pairs in every.items():
-        a, b = (
-            keys[(keys % len(record.bodies) < robots) == (name == "robots")]
-            for keys in (theirs, ours)
-        )
+    at_samples, robots, moving, bodies = {}, record.robots, record.moving, len(record.bodies)
+    movers = len(movers_of(record))
+    every = {
+        "robots": (0, robots, robots * (robots - 1) // 2),
+        "movers": (robots, moving, (moving * (moving - 1) - robots * (robots - 1)
+                                    - movers * (movers - 1)) // 2),
+        "boundaries": (moving, bodies, (moving - movers) * (bodies - moving)),
+    }  # fmt: skip
+    for name, (first, end, pairs) in every.items():
+        if name == "movers" and moving == robots:
+            continue
+        a, b = (keys[(first <= keys % bodies) & (keys % bodies < end)] for keys in (theirs, ours))
         both = len(np.intersect1d(a, b))
         rest = pairs * record.samples - len(a) - len(b) + both
         at_samples[name] = Confusion(both, len(a) - both, len(b) - both, rest)
@@ -217,9 +223,9 @@ def _exact(record: Record, rows: Rows) -> dict[str, FloatArray]:
             continue
         edges = np.flatnonzero(np.diff(step[first:last], prepend=-1)) + first
         for low, high in zip(edges, [*edges[1:], last], strict=True):
-            pose[: record.robots] = poses[step[low] - start]
+            pose[: record.moving] = poses[step[low] - start]
             some = found[low:high]
-            describe_contacts(shapes, faces, record.robots, pose, pairs[low:high], high - low, some)
+            describe_contacts(shapes, faces, record.moving, pose, pairs[low:high], high - low, some)
     return dict(zip(("x", "y", "nx", "ny", "depth"), (*found.T[:4], -found[:, 4]), strict=True))
 
 
@@ -267,10 +273,10 @@ def _least(record: Record, a: int, b: int, step: int) -> float:
     """Least signed distance [m] of two bodies within the step that ends at a sample."""
     shapes = record.shapes
     old, new = record.pose_at(step - 1), record.pose_at(step)
-    if b < record.robots:
+    if b < record.moving:
         found = least_gap(shapes, a, old[a], new[a], shapes, b, old[b], new[b], record.dt)
     else:
-        still, w = read_only(np.zeros(3)), b - record.robots
+        still, w = read_only(np.zeros(3)), b - record.moving
         found = least_gap(record.walls, w, still, still, shapes, a, old[a], new[a], record.dt)
     return float(found.distance)
 
@@ -307,7 +313,7 @@ def exact_distances(record: Record) -> tuple[Extremes, list[Finding]]:
     found: list[Finding] = []
     for poses, start in pose_blocks(record):
         first, end = start + (start > record.begun_at), start + len(poses)
-        block = clearances(poses[first - start :], shapes, wall_tree)
+        block = clearances(poses[first - start :], shapes, wall_tree, record.robots)
         extremes.note(np.arange(first, end), block)
         near = (block.clearance, block.other), (block.boundary_clearance, block.boundary_other)
         for ((column, *_), what), (exact, others) in zip(SMALLEST, near, strict=True):
@@ -350,7 +356,7 @@ def check_extremes(
     killed = record.ended == "running"
     due = exact.rows.copy()
     for step, a, b, distance, _ in reversed(analytic.nearest.tolist()):  # ends with the nearest
-        columns, _ = SMALLEST[b >= record.robots]
+        columns, _ = SMALLEST[b >= record.moving]
         for me, other in ((a, b), (b, a)):
             if me < record.robots:
                 for column, value in zip(columns, (distance, step, other), strict=True):

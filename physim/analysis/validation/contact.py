@@ -60,8 +60,8 @@ class Contact:
     """[s] for how long before the contact it lay ahead without a break, under the commands of
     the moment; None where there was no decision before it, and after the first contact of a pair"""
     responsible: tuple[int, ...]
-    """robots that were responsible; a third one where it pushed one of the two; none where no rule
-    of the controller says who"""
+    """robots and movers that were responsible; a third one where it pushed one of the two; none
+    where no rule of the controller says who"""
     along: str
     """where along a wall, `physim.analysis.metrics.distances.along_wall`; empty between robots"""
 

@@ -1,4 +1,4 @@
-"""Decisions of a record by robot, and the commands that robots were driven by."""
+"""Decisions of a record by robot, and what drives each body that moves."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from physim.geometry.motion import Twist
+from physim.geometry.motion import Twist, ended_twists
 from physim.geometry.path import path_length, project, track
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
@@ -25,13 +25,20 @@ STILL: Twist = (0.0, 0.0, 0.0)
 """of what stands"""
 
 
+def movers_of(record: Record) -> range:
+    """Return the ids of the movers of a record."""
+    count = sum(body.kind == "mover" for body in record.bodies)
+    return range(record.robots, record.robots + count)
+
+
 class DecisionTable:
-    """Decisions by robot, and the commands that robots were driven by."""
+    """Decisions by robot, and what drives robots, movers and what can be pushed."""
 
     def __init__(self, record: Record) -> None:
         self.record = record
         self.radius = record.shapes.radius
-        """(N,) [m] of the circle round each reference point that holds the footprint"""
+        """(B,) [m] of the circle round each reference point that holds the footprint"""
+        self.movers = movers_of(record)
         rows = record.updates
         self._order = np.lexsort((rows["step"], rows["robot"]))
         self._span = int(rows["step"].max(initial=0)) + 2
@@ -62,24 +69,41 @@ class DecisionTable:
         rows = [row for row in (self.last(i, step - 1) for i in robots) if row is not None]
         return max((int(row["step"]) for row in rows), default=None)
 
-    def held(self, robot: int, step: int) -> Twist:
-        """Twist that drives a robot over the step from a sample on.
-
-        That is the applied one; 0 before its first decision.
-        """
+    def held(self, body: int, step: int) -> Twist:
+        """Twist that drives a body that moves over the step from a sample on: see `held_over`."""
         block, place = divmod(step, self._block_steps)
-        v, omega, *lateral = self._held_block(block)[place, robot].tolist()
-        return v, omega, lateral[0] if lateral else 0.0
+        v, omega, lateral = self._held_block(block)[place, body].tolist()
+        return v, omega, lateral
+
+    def held_over(self, first: int, last: int) -> FloatArray:
+        """Twists (K, B, 3) that drive what moves over the steps from each of K samples on.
+
+        Of a robot that is the applied command, 0 before its first decision; of a mover the twist
+        that leads from sample to sample, 0 at the last; what can be pushed wants to stand.
+        """
+        record = self.record
+        held = np.zeros((last - first, record.moving, 3))
+        command = record.commands_over("applied", first, last)
+        held[:, : record.robots, : command.shape[2]] = command
+        if self.movers:
+            row = np.clip(np.arange(first, last + 1), record.begun_at, record.steps_run)
+            row -= record.begun_at
+            pose = record.read("/steps/pose", int(row[0]), int(row[-1]) + 1)[row - row[0]]
+            pose = pose[:, self.movers]
+            moved = (np.diff(pose, axis=0) / record.dt).reshape(-1, 3)
+            twist = ended_twists(pose[1:].reshape(-1, 3), moved, record.dt)
+            held[:, self.movers] = twist.reshape(pose[1:].shape)
+        return held
 
     @property
     def _block_steps(self) -> int:
-        return max(1, BLOCK // self.record.robots)
+        return max(1, BLOCK // self.record.moving)
 
     @cached_property
     def _held_block(self) -> Callable[[int], FloatArray]:
-        """Makes a block of the applied commands by its number; the last few are kept."""
-        steps, over = self._block_steps, self.record.commands_over
-        return lru_cache(BLOCKS)(lambda k: over("applied", k * steps, (k + 1) * steps))
+        """Makes a block of `held_over` by its number; the last few are kept."""
+        steps = self._block_steps
+        return lru_cache(BLOCKS)(lambda k: self.held_over(k * steps, (k + 1) * steps))
 
     def reference_station(self, robot: int, step: int) -> float:
         """Projection [m] of a robot on the reference path s* at a recorded step.

@@ -19,6 +19,9 @@ fast is a light one that heavy ones squeeze out of a gap of 3 degrees between th
 each is eased out of overlaps, by a share of their depths.
 Pushing each other are robots that touch at either sample of the step, or that touched just before,
 and, where that does not explain a step, those within `PUSHED` of them, which they may meet in it.
+
+What can be pushed is held to the same as a robot that is commanded to stand. A mover is where its
+path has it at every sample, whatever it touches; with its mass it gives what it pushes any energy.
 """
 
 from __future__ import annotations
@@ -39,17 +42,21 @@ from physim.contacts import touching
 from physim.geometry.motion import arcs
 from physim.geometry.polygon import moment
 from physim.geometry.shapes import FloatArray, IntArray, body_parts
+from physim.geometry.timed_paths import timed_poses
 from physim.record import Record
 from physim.tolerances import ONE_STEP, PUSHED, ULPS
+from physim.world.scene import Scene
 
+HEAVIEST = 1e30
+"""[kg] mass of a mover here"""
 MOST_LOOKED_AT = 100
 """Steps of a block in which robots near others are looked for; in no honest run there was one"""
 LEVER = 40.0
 """[-] Without this what is said of masses would let a light robot go anywhere."""
 
 Strayed = tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]
-"""Of M steps that robots made and may not have made: sample at the end, robot, gap [m], turn [rad],
-and what was allowed [m], NaN where the robot touches nothing"""
+"""Of M steps that bodies made and may not have made: sample at the end, body, gap [m], turn [rad],
+and what was allowed [m], NaN of movers and of what touches nothing"""
 
 
 @dataclass(frozen=True)
@@ -57,12 +64,12 @@ class Motion:
     """What the check of the motion looked at and found."""
 
     checked: int
-    """steps of robots that touch nothing"""
+    """steps of robots that touch nothing, of such obstacles that can be pushed, and of movers"""
     held: int
     """steps of robots in contact that were held to what they may move; 0 where no masses are
     known"""
     off: tuple[Finding, ...]
-    """robots that touch nothing and did not follow their commands"""
+    """those that did not follow their commands, or their paths"""
     far: tuple[Finding, ...]
     """robots in contact that moved farther than commands and pushes allow"""
 
@@ -73,29 +80,37 @@ class Motion:
         return tuple(sorted(both, key=lambda one: (one.step or 0, one.bodies)))
 
 
-def check_motion(record: Record, table: DecisionTable, mass: FloatArray | None) -> Motion:
-    """Hold every pose against the one before; see the module for what is left out.
+def check_motion(record: Record, table: DecisionTable, scene: Scene | None) -> Motion:
+    """Hold every pose against the one before, those of movers against their paths.
 
-    ``mass`` (N,) [kg] of the robots; without it robots in contact are left out, too.
+    See the module for what is left out; without a ``scene``, which has masses and paths, that are
+    what is in contact, and movers, too.
     """
-    touched = np.zeros((record.samples, record.robots), dtype=np.bool_)
+    touched = np.zeros((record.samples, record.moving), dtype=np.bool_)
     rows = touching(record.contacts)
     for who in ("a", "b"):
-        mine = rows[rows[who] < record.robots]
+        mine = rows[rows[who] < record.moving]
         touched[mine["step"] - record.begun_at, mine[who]] = True
-    pushing = None if mass is None else Pushing(record, mass)
+    pushing = None if scene is None else Pushing(record, scene.mass)
     checked = held = 0
     off, far = [], []
     for poses, first in pose_blocks(record):
         last = first + len(poses) - 1
-        command = record.commands_over("applied", first, last)
+        command = table.held_over(first, last)
         both = touched[first - record.begun_at : last - record.begun_at + 1]
         free = ~both[:-1] & ~both[1:]
+        pushed = ~free
+        free[:, table.movers], pushed[:, table.movers] = scene is not None, False
+        start = np.ascontiguousarray(poses[:-1].reshape(-1, 3))
+        ends = arcs(start, command.reshape(-1, 3), record.dt).reshape(*free.shape, 3)
+        if scene is not None and table.movers:
+            times = record.dt * np.arange(first + 1, last + 1)
+            ends[:, table.movers] = [timed_poses(scene.movers, time) for time in times.tolist()]
         checked += int(free.sum())
-        off.append(_off(poses, first, command, record.dt, free))
+        off.append(_off(poses, first, ends, free))
         if pushing is not None:
-            held += int((~free).sum())
-            far.append(pushing.too_far(poses, first, command, ~free))
+            held += int(pushed.sum())
+            far.append(pushing.too_far(poses, first, command, pushed))
     found: list[tuple[Finding, ...]] = [(), ()]
     for k, some in enumerate((off, far)):
         if some:
@@ -104,18 +119,17 @@ def check_motion(record: Record, table: DecisionTable, mass: FloatArray | None) 
             if some is off:
                 shift = np.maximum(gap, turn * table.radius[robot])
                 places = zip(robot.tolist(), step.tolist(), shift.tolist(), strict=True)
-                kept[:] = [not _pushed(record, table, touched, *place) for place in places]
+                kept[:] = [
+                    place[0] in table.movers or not _pushed(record, table, touched, *place)
+                    for place in places
+                ]
             strayed = (step[kept], robot[kept], gap[kept], turn[kept], allowed[kept])
-            found[k] = tuple(_stretches(record.dt, strayed))
+            found[k] = tuple(_stretches(table, strayed))
     return Motion(checked, held, *found)
 
 
-def _off(
-    poses: FloatArray, first: int, command: FloatArray, dt: float, free: NDArray[np.bool_]
-) -> Strayed:
-    """Steps of ``free`` (B - 1, N) robots that end elsewhere than their arcs."""
-    start = np.ascontiguousarray(poses[:-1].reshape(-1, 3))
-    ends = arcs(start, command.reshape(-1, command.shape[2]), dt).reshape(*free.shape, 3)
+def _off(poses: FloatArray, first: int, ends: FloatArray, free: NDArray[np.bool_]) -> Strayed:
+    """Steps of ``free`` (K - 1, B) bodies that end elsewhere than at ``ends`` (K - 1, B, 3)."""
     apart = np.abs(poses[1:] - ends)
     gap, turn = np.hypot(apart[..., 0], apart[..., 1]), apart[..., 2]
     slack = _slack(poses)
@@ -124,12 +138,12 @@ def _off(
 
 
 def _slack(poses: FloatArray) -> FloatArray:
-    """(B - 1, N) [m, rad] that rounding may make of a step to each pose but the first."""
+    """(K - 1, B) [m, rad] that rounding may make of a step to each pose but the first."""
     return np.asarray(ONE_STEP + ULPS * np.spacing(np.abs(poses[1:]).max(axis=2)))
 
 
-def _stretches(dt: float, strayed: Strayed) -> Iterator[Finding]:
-    """Consecutive steps of a robot as one, by the greatest of them."""
+def _stretches(table: DecisionTable, strayed: Strayed) -> Iterator[Finding]:
+    """Consecutive steps of a body as one, by the greatest of them."""
     step, robot, *values = strayed
     for run in stretches(step, robot):
         gap, turn, allowed = (float(column[run].max()) for column in values)
@@ -138,12 +152,16 @@ def _stretches(dt: float, strayed: Strayed) -> Iterator[Finding]:
             f"in contact it moved {gap:.3g} m and {turn:.3g} rad in a step; its command and what "
             f"pushes it allow {allowed:.3g} m"
         )
-        if math.isnan(allowed):
+        if math.isnan(allowed) and who in table.movers:
+            what = f"its pose is {gap:.3g} m and {turn:.3g} rad from where its path has it"
+        elif math.isnan(allowed) and who >= table.record.robots:
+            what = f"it touches nothing, yet it moved {gap:.3g} m and {turn:.3g} rad in a step"
+        elif math.isnan(allowed):
             what = (
                 f"it touches nothing, yet its pose is {gap:.3g} m and {turn:.3g} rad from where "
                 "its command leads from the sample before"
             )
-        yield Finding(what, (who,), at, at * dt, len(run))
+        yield Finding(what, (who,), at, at * table.record.dt, len(run))
 
 
 def _pushed(
@@ -172,19 +190,19 @@ class Pushing:
     """Holds steps of robots in contact to the energy of their commands."""
 
     def __init__(self, record: Record, mass: FloatArray) -> None:
-        """Sort the contacts of a record; ``mass`` (N,) [kg] of its robots."""
-        self.record, self.mass = record, mass
+        """Sort the contacts of a record; ``mass`` (B,) [kg] of what moves."""
+        self.record, self.mass = record, np.minimum(mass, HEAVIEST)
         self.gyration = np.sqrt(
-            [moment(body_parts(record.shapes, i), 1.0) for i in range(record.robots)]
+            [moment(body_parts(record.shapes, i), 1.0) for i in range(record.moving)]
         )
 
     def too_far(
         self, poses: FloatArray, first: int, command: FloatArray, held: NDArray[np.bool_]
     ) -> Strayed:
-        """Steps of a block of poses (B, N, 3) that are longer than pushes and commands allow.
+        """Steps of a block of poses (K, B, 3) that are longer than pushes and commands allow.
 
-        Looked at are robots that are ``held`` (B - 1, N). ``first`` is the sample of the first
-        pose, ``command`` (B - 1, N, 2 or 3) what was applied.
+        Looked at is what is ``held`` (K - 1, B). ``first`` is the sample of the first pose,
+        ``command`` (K - 1, B, 3) the twists that were applied.
         """
         steps, robots = held.shape
         rows = self.record.contacts_over(first, first + steps + 1)
@@ -195,7 +213,7 @@ class Pushing:
             _between_robots(before, at, robots),
             _between_robots(after, (after["step"] - first - 1) * robots, robots),
         ))  # fmt: skip
-        speed = np.hypot(command[..., 0], command[..., 2:].sum(axis=2))
+        speed = np.hypot(command[..., 0], command[..., 2])
         rate = np.hypot(speed, self.gyration * command[..., 1]).ravel()
         overlap = np.maximum(before["depth"], 0.0)
         depth = np.bincount(at + before["a"], overlap, held.size).astype(np.float64)

@@ -43,8 +43,8 @@ class NearMiss(Moment):
     """A smallest value [m] or [s], when and of which two bodies."""
 
     behind: int | None = None
-    """robot that was behind along s*, and so had to consider the other; None for a boundary, and
-    where the controller has no such rule"""
+    """robot that was behind along s*, and so had to consider the other; None of two that are not
+    both robots, and where the controller has no such rule"""
     along: str = ""
     """where along a wall it was nearest then; empty between robots"""
 
@@ -74,7 +74,8 @@ def near_misses(record: Record, analytic: AnalyticContacts, table: DecisionTable
     def listed(who: IntArray, values: FloatArray) -> tuple[NearMiss, ...]:
         """Those of rows (M, 3) of step, a and b, the smallest first, whose pair never touched."""
         some = ((*place, value) for place, value in zip(who.tolist(), values.tolist(), strict=True))
-        missed = [one for one in some if one[1:3] not in touched][:MOST_LISTED]
+        mine = (one for one in some if one[1] < record.robots)
+        missed = [one for one in mine if one[1:3] not in touched][:MOST_LISTED]
         return tuple(_near_miss(table, *one) for one in missed)
 
     def smallest(one: Moment | None) -> NearMiss | None:
@@ -84,7 +85,7 @@ def near_misses(record: Record, analytic: AnalyticContacts, table: DecisionTable
 
     places = np.column_stack([near[name] for name in ("step", "a", "b")])
     return NearMisses(
-        listed(places, near["distance"]), listed(*_times(record)), analytic.reach,
+        listed(places, near["distance"]), listed(*_times(record, table)), analytic.reach,
         smallest(run.nearest), smallest(run.nearest_wall),
     )  # fmt: skip
 
@@ -93,9 +94,9 @@ def _near_miss(table: DecisionTable, step: int, a: int, b: int, value: float) ->
     """One with who of two robots was behind (equal stations: the higher index), or the wall's
     place."""
     record, behind, along = table.record, None, ""
-    if b >= record.robots:
+    if b >= record.moving:
         along = near_wall(record, a, b, step)
-    else:
+    elif b < record.robots:
         stations = [table.reference_station(i, step) for i in (a, b)]
         later = b if stations[0] >= stations[1] else a
         behind = later if has_priority(record, later) else None
@@ -108,7 +109,7 @@ def decision_times(
     robot: IntArray,
     decisions: int,
     poses: Rows3,
-    robots: int,
+    moving: int,
     start: int,
     twist: Rows3,
     shapes: Shapes,
@@ -121,25 +122,25 @@ def decision_times(
 ) -> int:
     """Write step, bodies a < b (C, 3) and collision time [s] (C,) of every pair that meets.
 
-    Decisions are of a ``robot`` at a ``step`` each, in the order of steps; ``poses`` (B N, 3) are
-    those of N ``robots`` from step ``start`` on, ``twist`` (B N, 3) what drives them from there
-    on. Returns how many, or FULL.
+    Decisions are of a ``robot`` at a ``step`` each, in the order of steps; ``poses`` (S B, 3) are
+    those of B bodies ``moving`` from step ``start`` on, ``twist`` (S B, 3) what drives them from
+    there on. Returns how many, or FULL.
     """
     still = np.zeros(3)
     count = 0
     for k in range(decisions):
-        at, i = robots * (step[k] - start), robot[k]
+        at, i = moving * (step[k] - start), robot[k]
         pose, held = poses[at:], twist[at:]
-        for j in range(robots + boundaries):
+        for j in range(moving + boundaries):
             if j == i:
                 continue
-            if j < robots:
+            if j < moving:
                 xi = collision_time_pair(
                     shapes, i, pose[i], held[i], shapes, j, pose[j], held[j], horizon
                 )
             else:
                 xi = collision_time_pair(
-                    walls, j - robots, still, still, shapes, i, pose[i], held[i], horizon
+                    walls, j - moving, still, still, shapes, i, pose[i], held[i], horizon
                 )
             if xi <= horizon:
                 if count == room:
@@ -152,7 +153,7 @@ def decision_times(
     return count
 
 
-def _times(record: Record) -> tuple[IntArray, FloatArray]:
+def _times(record: Record, table: DecisionTable) -> tuple[IntArray, FloatArray]:
     """Step, a and b (M, 3) of the smallest collision time of each pair, and that (M,) [s]."""
     if record.judged is None:
         decided = np.zeros(len(record.updates), dtype=DECIDED)
@@ -167,11 +168,13 @@ def _times(record: Record) -> tuple[IntArray, FloatArray]:
     for poses, start in pose_blocks(record):
         end = start + len(poses) - 1
         rows = decided[slice(*np.searchsorted(decided["step"], [start, end]))]
-        twist = read_only(twists_over(record, start, end).reshape(-1, 3))
         step, robot = (rows[name].astype(np.int64) for name in ("step", "robot"))
+        twist = table.held_over(start, end)
+        twist[:, : record.robots] = twists_over(record, start, end)
         scan = partial(
-            decision_times, step, robot, len(rows), poses.reshape(-1, 3), record.robots, start,
-            twist, record.shapes, record.walls, len(record.walls.radius), LOOK,
+            decision_times, step, robot, len(rows), poses.reshape(-1, 3), record.moving, start,
+            read_only(twist.reshape(-1, 3)), record.shapes, record.walls,
+            len(record.walls.radius), LOOK,
         )  # fmt: skip
         found.append(room.filled(scan, 1))
     who, values = (np.concatenate(some) for some in zip(*found, strict=True))

@@ -118,8 +118,8 @@ def compare_with_world(record: Record, inside: Inside) -> tuple[Finding, ...]:
             *unlike_scene(record, start, PATHS, BY, exact=False),
         ]
         own_start = record.samples and not record.begun_at and not judged
-        if record.robots == start.robots and own_start:
-            pose = record.read("/steps/pose", 0, 1), scene.start[None]
+        if record.moving == start.moving and own_start:
+            pose = record.read("/steps/pose", 0, 1), scene.moving_start[None]
             first = first_difference(record, "/steps/pose", *pose, BY, False, record.steps)
             found += [] if first is None else [first]
         return (*found, *_areas(record, start))

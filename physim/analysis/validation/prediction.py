@@ -2,7 +2,8 @@
 
 A prediction is made at a decision of one of the two bodies: collision time (11) of the pair under
 the commands that both hold from then on, computed here from poses and commands, plus the time
-then. After the last decision before a contact both keep their commands, so the contact must come
+then. What a mover is commanded is its twist at that moment, what can be pushed is to stand. After
+the last decision before a contact both keep their commands, so the contact must come
 when it was predicted, to TIME = 1e-6 s, and be seen at the sample after that. Slack: between two
 samples bodies move on the chord, not on the arc (`tolerances.chord`), which shifts a contact by
 the gap of the two over the closing speed.
@@ -39,6 +40,7 @@ DISAGREES = "disagrees"
 NOT_COMPARED = "cannot be compared: "
 """begins the third verdict, which ends in why"""
 NOT_AS_COMMANDED = f"{NOT_COMPARED}a robot was pushed"
+TURNED = f"{NOT_COMPARED}the mover turned"
 TOUCHED_BEFORE = f"{NOT_COMPARED}they touched before"
 NO_DECISION = f"{NOT_COMPARED}no decision before it"
 
@@ -86,11 +88,11 @@ def pair_time(
     twist_a: Twist,
     twist_b: Twist,
 ) -> float:
-    """Collision time (11) [s] of bodies a < b at ``pose`` (N, 3) under constant commands."""
+    """Collision time (11) [s] of bodies a < b at ``pose`` (B, 3) under constant twists."""
     shapes, mine, theirs = record.shapes, np.array(twist_a), np.array(twist_b)
-    if b < record.robots:
+    if b < record.moving:
         return collision_time_pair(shapes, a, pose[a], mine, shapes, b, pose[b], theirs, HORIZON)
-    still, wall = np.zeros(3), b - record.robots
+    still, wall = np.zeros(3), b - record.moving
     return collision_time_pair(record.walls, wall, still, still, shapes, a, pose[a], mine, HORIZON)
 
 
@@ -107,13 +109,13 @@ class Predictor:
         Looked for up to ``until`` [s], at least; inf where there is none. Each query begins on the
         arcs where the one before ended, so that none needs more advances than it may take.
         """
-        other = self.table.held(b, step) if b < self.record.robots else STILL
+        other = self.table.held(b, step) if b < self.record.moving else STILL
         held = {a: self.table.held(a, step), b: other}
         start = self.record.pose_at(step)
         for k in range(max(1, math.ceil(until / HORIZON))):
             later = k * HORIZON
             pose = start.copy()
-            for i in (i for i in held if k and i < self.record.robots):
+            for i in (i for i in held if k and i < self.record.moving):
                 (x, y, heading), (v, omega, lateral) = start[i], held[i]
                 pose[i] = arc(x, y, heading, v, omega, lateral, later)
             found = pair_time(self.record, a, b, pose, held[a], held[b])
@@ -129,17 +131,18 @@ class Predictor:
         """
         dt, found = self.record.dt, step * self.record.dt
         robots = [i for i in (a, b) if i < self.record.robots]
+        moving = [i for i in (a, b) if i < self.record.moving]
         made = self.table.last_before(robots, step)
         if made is None:
             return Prediction(a, b, step, found, touched, None, None, 0.0, NO_DECISION)
         gap = tolerances.CONTACT + sum(
-            tolerances.chord(*self.table.held(i, made), dt) for i in robots
+            tolerances.chord(*self.table.held(i, made), dt) for i in moving
         )
         slack = tolerances.TIME + gap / max(closing, tolerances.CLOSING_SPEED)
         until = found + dt + min(slack, MOST_SLACK) - made * dt
         predicted = made * dt + self.due(a, b, made, until)
         is_near = self._is_near(a, b, step, predicted, gap)
-        slow = is_near and b < self.record.robots and predicted >= (step - 2) * dt
+        slow = is_near and b < self.record.moving and predicted >= (step - 2) * dt
         verdict = DISAGREES
         if slow or found - dt - slack <= predicted <= found + slack:
             verdict = AGREES
@@ -149,13 +152,14 @@ class Predictor:
             or self._touched_then(a, b, made, step, predicted, slack)
         ):
             verdict = TOUCHED_BEFORE
-        if not all(self._as_commanded(i, made, step) for i in robots):
-            verdict = NOT_AS_COMMANDED
+        for i in moving:
+            if not self._as_commanded(i, made, step):
+                verdict = TURNED if i in self.table.movers else NOT_AS_COMMANDED
         return Prediction(a, b, step, found, touched, made * dt, predicted, slack, verdict)
 
-    def _as_commanded(self, robot: int, start: int, end: int) -> bool:
-        before, now = (self.record.pose_at(step)[robot] for step in (start, end))
-        (x, y, heading), (v, omega, lateral) = before, self.table.held(robot, start)
+    def _as_commanded(self, body: int, start: int, end: int) -> bool:
+        before, now = (self.record.pose_at(step)[body] for step in (start, end))
+        (x, y, heading), (v, omega, lateral) = before, self.table.held(body, start)
         goal = arc(x, y, heading, v, omega, lateral, (end - start) * self.record.dt)
         return bool(np.abs(np.array(goal) - now).max() <= AS_COMMANDED)
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from math import isfinite
 from statistics import median
 
+from physim.analysis.validation.comparison import Confusion
 from physim.analysis.validation.contact import Contact
 from physim.analysis.validation.finding import SLACK, UNEXPLAINED
 from physim.analysis.validation.near_misses import LOOK, NearMiss
@@ -13,6 +14,7 @@ from physim.analysis.validation.prediction import AGREES, Prediction
 from physim.analysis.validation.told import sentences, wrapped
 from physim.analysis.validation.validation import Validation
 from physim.errors import plural
+from physim.record.layout import STANDING
 from physim.tolerances import CONTACT, ONE_STEP
 from physim.units import amount, joined, length, span
 
@@ -65,7 +67,8 @@ def _head(validation: Validation, full: bool) -> list[str]:
     others = [body.name for body in run.bodies[run.robots :]]
     walls = joined(others) if others else "no boundaries"
     if len(others) > MOST_NAMED:
-        walls = f"{len(others)} boundaries and obstacles"
+        movers = "movers, " * any(body.kind == "mover" for body in run.bodies)
+        walls = f"{len(others)} {movers}boundaries and obstacles"
     (kind, controller), *stages = run.setup.lines()
     if kind in dict(run.given) and len(run.setup.controllers) == 1:  # else the module tells
         controller += ", given from Python"
@@ -100,8 +103,11 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
         nearest = "; ".join(_nearest(one, names) for one in some if one is not None)
         return [lead, *wrapped(f"nearest: {nearest or 'nothing'}", "  ", "    ")]
     robots, first = sum(one.b < run.robots for one in every), min(one.time for one in every)
+    walls, movers = sum(one.b >= run.moving for one in every), ""
+    if run.moving > run.robots:
+        movers = f"{len(every) - robots - walls} with movers or what can be pushed, "
     head = (
-        f"CONTACTS: {robots} between robots, {len(every) - robots} with boundaries or obstacles, "
+        f"CONTACTS: {robots} between robots, {movers}{walls} with boundaries or obstacles, "
         f"in {run.seconds:.2f} s, the first at {first:.2f} s"
     )
     lines = wrapped(head, "", "  ")
@@ -112,14 +118,22 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
     for one in every:
         pairs.setdefault((one.a, one.b), []).append(one)
     lines += _pair_rows(pairs, names, len(pairs) if full else MOST_PAIRS)
-    if run.setup.judged is None and any(one.b >= run.robots for one in every):
+    kinds = {run.bodies[one.b].kind for one in every} if run.setup.judged is None else set()
+    if not kinds.isdisjoint(STANDING):
         lines.append("  With a boundary or obstacle the robot is responsible: it must keep clear.")
+    if "mover" in kinds:
+        said = (
+            "With a mover the robot is responsible unless it stood: a mover gives way to nobody. "
+            "Where the robot stood, the mover ran into it."
+        )
+        lines += wrapped(said, "  ", "    ")
     if validation.undisturbed is not None:
         for text in validation.undisturbed.sentences(names, full):
             lines += wrapped(text, "  ", "    ")
     told = every[:MOST_TOLD_IN_FULL] if full else [some[0] for some in pairs.values()][:MOST_TOLD]
     for one in told:
-        lines += wrapped(" ".join(sentences(one, names)), "  - ", "    ")
+        said = " ".join(sentences(one, names, run.considered))
+        lines += wrapped(said, "  - ", "    ")
     if left := len(every) - len(told):
         lines.append(
             f"  and {left} more ({'--json FILE has all' if full else '--full prints them'})"
@@ -178,8 +192,12 @@ def _checks(validation: Validation, full: bool) -> list[str]:
             f"  {'':<34}{'both':>10}{'physical':>10}{'analytic':>10}{'neither':>14}",
             f"  {'':<34}{'contact':>10}{'only':>10}{'only':>10}",
         ]
-        for kind, label in (("robots", "robot and robot"), ("boundaries", "robot and boundary")):
-            if sum(row := comparison.at_samples[kind]):
+        for kind, label in (
+            ("robots", "robot and robot"), ("movers", "with movers or pushed"),
+            ("boundaries", "robot and boundary"),
+        ):  # fmt: skip
+            row = comparison.at_samples.get(kind, Confusion(0, 0, 0, 0))
+            if any(row):
                 cells = f"{row.both:>10,}{row.physical_only:>10,}{row.analytic_only:>10,}"
                 lines.append(f"  {f'{label}, at samples':<34}{cells}{row.neither:>14,}")
     said = []
@@ -190,9 +208,12 @@ def _checks(validation: Validation, full: bool) -> list[str]:
             "rejected it."
         )
     off, far = len(motion.off), len(motion.far)
+    kinds, ways = "robots that touch nothing", "the arcs of their applied commands"
+    if validation.run.moving > validation.run.robots:
+        kinds, ways = "movers and of what touches nothing", f"their paths, or {ways}"
     said.append(
-        f"Motion: {motion.checked:,} steps of robots that touch nothing, compared with the arcs of "
-        f"their applied commands: {f'{off} DIFFER' if off else f'all agree within {ONE_STEP:g} m'}."
+        f"Motion: {motion.checked:,} steps of {kinds}, compared with {ways}: "
+        f"{f'{off} DIFFER' if off else f'all agree within {ONE_STEP:g} m'}."
     )
     if motion.held:
         said.append(

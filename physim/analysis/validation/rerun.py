@@ -114,7 +114,7 @@ class _Led:
 
     @property
     def pose(self) -> FloatArray:
-        """(N, 3) at the present sample."""
+        """(B, 3) at the present sample."""
         return self.record.pose_at(self.at)
 
     def step(self, _: FloatArray) -> None:

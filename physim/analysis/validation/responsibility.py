@@ -4,7 +4,8 @@ Between robots responsibility follows the paper's priority rule: a robot has to 
 are further along the reference path s* (equal stations: the lower index has priority). So of two
 robots the one that was behind at its own last decision before the contact had to avoid it. The rule
 is that of `mode_switching` alone: a robot with another controller is responsible only where it
-pushed a robot, or ran into one that stood. With a boundary or an obstacle it is always the robot.
+pushed a robot, or ran into one that stood. With a boundary or an obstacle it is always the robot,
+and so it is with a mover, which gives way to nobody.
 
 Departure: the rule speaks of robots that move by their own commands. One that was pushed into the
 contact, or stood by command while the other came, is not charged but the one that did it. A robot
@@ -12,7 +13,8 @@ counts as pushed when it closes on the other body by more than its command says,
 a further robot; that one is the pusher, or whoever pushes it in turn. A robot that stands by
 command and is pushed by nobody was run into by the other. Where there is no other that came, at a
 wall or where both stand, it was moved by one that it touches, whichever way: by itself it does
-not move.
+not move. So a mover is charged where it ran into a robot that stood, or pushed one into another
+body; and who pushed an obstacle into a robot that stood.
 """
 
 from __future__ import annotations
@@ -46,7 +48,7 @@ def has_priority(record: Record, robot: int) -> bool:
 
 
 def pushed_by(record: Record, table: DecisionTable, robot: int, touch: Touch) -> int | None:
-    """Robot to be charged in place of ``robot``; None where it moved by its own command."""
+    """Robot or mover to be charged in place of ``robot``; None where that moved as commanded."""
     if touch.step <= record.begun_at:
         return None
     ends = {touch.a, touch.b}
@@ -54,22 +56,22 @@ def pushed_by(record: Record, table: DecisionTable, robot: int, touch: Touch) ->
     if pusher is not None or not stands(table, robot, touch.step):
         return pusher
     other = touch.a + touch.b - robot
-    if other < record.robots:
+    if other < record.moving:
         pusher = _pusher(record, table, other, touch, ends)
         if pusher is None and not stands(table, other, touch.step):
             return other
     for one in (robot, other):
-        if pusher is None and one < record.robots:
+        if pusher is None and one < record.moving:
             pusher = _pusher(record, table, one, touch, ends, carried=True)
     return pusher
 
 
 def stands(table: DecisionTable, robot: int, step: int) -> bool:
-    """Whether a robot was commanded to stand in the step that led to a sample.
+    """Whether a robot, or what else moves, was commanded to stand in the step that led to a sample.
 
     That is, to move no point of its footprint by `PUSH` or more: a command of 1e-15 rad/s stands.
     """
-    if table.last(robot, step - 1) is None:
+    if robot < table.record.robots and table.last(robot, step - 1) is None:
         return False
     v, omega, lateral = table.held(robot, step - 1)
     return math.hypot(v, lateral) + float(table.radius[robot]) * abs(omega) < PUSH
@@ -83,15 +85,15 @@ def _pusher(
     seen: set[int],
     carried: bool = False,
 ) -> int | None:
-    """Robot at the end of the chain of pushes into a contact, not counting those ``seen``.
+    """Body at the end of the chain of pushes into a contact, not counting those ``seen``.
 
     ``carried``: of a robot that stands by command, whichever way it moves.
     """
-    if not carried and not _exceeds_command(record, table, robot, touch):
+    if robot in table.movers or not (carried or _exceeds_command(record, table, robot, touch)):
         return None
     for contact in _contacts(record, robot, touch.step):
         third = contact.a + contact.b - robot
-        if third >= record.robots or third in seen:
+        if third >= record.moving or third in seen:
             continue
         idle = stands(table, third, touch.step)
         further = _pusher(record, table, third, contact, seen | {third}, carried and idle)
@@ -159,8 +161,8 @@ class RobotInContact:
     stands: bool
     """its command in that step was to stand: no point of it was to move by `PUSH` or more"""
     pushed_by: int | None
-    """robot that pushed it into the contact, or ran into it where it stood, and so is charged in
-    its place; None where there is none, or where it did not have to keep clear"""
+    """robot or mover that pushed it into the contact, or ran into it where it stood, and so is
+    charged in its place; None where there is none, or where it did not have to keep clear"""
     responsible: bool
 
 

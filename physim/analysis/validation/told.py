@@ -15,8 +15,8 @@ from physim.units import amount, joined, length, span
 COLUMNS = 100
 
 
-def sentences(one: Contact, names: Sequence[str]) -> list[str]:
-    """What is to be said of a contact; ``names`` by body id.
+def sentences(one: Contact, names: Sequence[str], considered: str = "robot") -> list[str]:
+    """What is to be said of a contact; ``names`` by body id, ``considered`` what robots consider.
 
     What touched and where; how hard; who was responsible and why; for how long it lay ahead; what
     each robot had decided. What is not known is left out.
@@ -27,7 +27,8 @@ def sentences(one: Contact, names: Sequence[str]) -> list[str]:
         if one.warning > 0.0:
             ahead = f"Contact lay ahead at every decision of the last {span(one.warning)}."
     said = [_what(one, names), _how_hard(one, names), _who(one, names), ahead]
-    return [text for text in said if text] + [_decided(side, one, names) for side in one.sides]
+    decided = [_decided(side, one, names, considered) for side in one.sides]
+    return [text for text in said if text] + decided
 
 
 def _what(one: Contact, names: Sequence[str]) -> str:
@@ -94,7 +95,7 @@ def _who(one: Contact, names: Sequence[str]) -> str:
     return f"Responsible: {who}{', as ' * bool(why)}{'; '.join(why)}."
 
 
-def _decided(side: RobotInContact, one: Contact, names: Sequence[str]) -> str:
+def _decided(side: RobotInContact, one: Contact, names: Sequence[str], considered: str) -> str:
     """How a robot moved, what it had decided, and what its controller reported to have seen."""
     moved = f"{names[side.body]} moved at {side.speed:.2f} m/s"
     if side.stands:
@@ -119,7 +120,7 @@ def _decided(side: RobotInContact, one: Contact, names: Sequence[str]) -> str:
     ]
     saw = "reported no distance, no collision time"
     if seen:
-        saw = f"considered {plural(side.considered, 'robot')}: {', '.join(seen)}"
+        saw = f"considered {plural(side.considered, considered)}: {', '.join(seen)}"
     return (
         f"{moved}; decided {span(touched - side.decided)} before{mode}{rule}, "
         f"v {side.v:.3f} m/s, omega {side.omega:.3f} rad/s; {saw}."

@@ -44,7 +44,7 @@ from physim.errors import RecordError, plural
 from physim.json_text import json_text, plain
 from physim.parts.declarations import Mode, Rule
 from physim.record import Record, check_record
-from physim.record.layout import OPTIONAL
+from physim.record.layout import OPTIONAL, moving
 from physim.record.setup import Setup
 from physim.simulation.again import AgainError, simulation_again
 from physim.world.faults import describe
@@ -86,6 +86,16 @@ class Run:
     """parts that came from Python in place of or beside what the world names: kind and name"""
     setup: Setup
     """controller and stages with their settings"""
+
+    @property
+    def moving(self) -> int:
+        """How many bodies move: robots, movers and obstacles that can be pushed."""
+        return moving(self.bodies)
+
+    @property
+    def considered(self) -> str:
+        """What robots consider, in a word: robots, or others, where something else moves."""
+        return "robot" if self.moving == self.robots else "other"
 
 
 @dataclass(frozen=True, repr=False)
@@ -261,7 +271,7 @@ def judge(
     is_again = whole is again or (rerun is not None and rerun.exact)
     if record.judged is None:
         recomputed = recompute(record, whole, inside, table, is_again)
-        motion = check_motion(whole, table, inside.scene.mass if inside.fits(whole) else None)
+        motion = check_motion(whole, table, inside.scene if inside.fits(whole) else None)
     else:
         recomputed, motion, why_not = Recomputed(0, 0, (NO_COMMANDS,), ()), Motion(0, 0, (), ()), ""
     parted = whole is again and rerun is not None and not rerun.whole
@@ -326,7 +336,7 @@ def json_of_validation(validation: Validation) -> str:
     values = plain(validation, infinite=True, named=(Mode, Rule))
     for key in ("contacts", "grazes"):
         for one, said in zip(getattr(validation, key), values[key], strict=True):
-            said["sentences"] = sentences(one, validation.names)
+            said["sentences"] = sentences(one, validation.names, validation.run.considered)
     found = {
         "format": "physim-validation",
         "version": 3,

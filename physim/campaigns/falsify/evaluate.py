@@ -40,8 +40,9 @@ from physim.world import World
 from physim.world.checks.check import check_world
 from physim.world.file import parse_world
 
-ROBOTS, WALL = "robots", "wall"
-"""Kinds of failure: two robots touch; a robot touches a boundary or an obstacle."""
+ROBOTS, MOVER, WALL = "robots", "mover", "wall"
+"""Kinds of failure: two robots touch; a robot touches a mover or what can be pushed; a boundary or
+an obstacle that stands."""
 LEADS = (1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 3 / 4)
 """[-] of the time until the first contact: so long before it is each of the moments kept"""
 NEEDED = SaveAt(every=1, tables=("contacts", "updates"))  # severity is of single steps
@@ -60,7 +61,7 @@ class Touched(NamedTuple):
     """The first contact of a run, at a sample or between two."""
 
     kind: str
-    """`ROBOTS` or `WALL`"""
+    """`ROBOTS`, `MOVER` or `WALL`"""
     pair: tuple[str, str]
     """names of the two bodies"""
     time: float
@@ -131,8 +132,9 @@ def judged(record: Record) -> Judged:
     if not touches:
         return Judged(value, (names[a], names[b]), time)
     first = min(touches, key=lambda one: (one.step, one.a, one.b))
+    other = MOVER if first.b < record.moving else WALL
     touched = Touched(
-        ROBOTS if first.robots else WALL, (names[first.a], names[first.b]), first.time,
+        ROBOTS if first.robots else other, (names[first.a], names[first.b]), first.time,
         (_mode(record, first.a, first.step), _mode(record, first.b, first.step)),
     )  # fmt: skip
     wanted = [first.step - max(1, round(share * first.step)) for share in LEADS]

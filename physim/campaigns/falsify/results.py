@@ -121,7 +121,7 @@ def story(record: Record, found: Validation) -> str:
     touches = sorted((*found.contacts, *found.grazes), key=lambda one: one.time)
     said = [f"{headline(judged(record)).replace('nothing', 'Nothing', 1)}."]
     if touches:
-        said = sentences(touches[0], found.names)
+        said = sentences(touches[0], found.names, found.run.considered)
         if more := len(touches) - 1:
             after = found.run.seconds - touches[0].time
             said.append(f"{plural(more, 'more contact')} in the {after:.2f} s after it.")

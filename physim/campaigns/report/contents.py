@@ -215,13 +215,17 @@ def exact(name: str, hits: NDArray[np.bool_]) -> Rate:
 
 
 def at_any_look(name: str, hits: NDArray[np.bool_]) -> Rate:
-    """Rate with the confidence sequence, which holds whenever it is looked at."""
+    """Rate with the confidence sequence, which holds whenever it is looked at.
+
+    Ends of earlier looks may leave the share of now out, so they are moved out to it.
+    """
     if not len(hits):
         return Rate(name, 0, 0, 0.0, 1.0)
     looks = running(hits)
     good, low, high = int(looks.successes[-1]), float(looks.low[-1]), float(looks.high[-1])
     none_failed = (1.0 - low, looks_needed(SHOWN)) if good == len(hits) else (None, None)
-    return Rate(name, good, len(hits), low, high, *none_failed)
+    share = good / len(hits)
+    return Rate(name, good, len(hits), min(low, share), max(high, share), *none_failed)
 
 
 def _worst_first(

@@ -178,6 +178,7 @@ def _tile(report: Report, index: int, moment: str, shown: Shown) -> Iterator[Htm
     yield tag("p", f"seed {row.seed}{severity}", class_=f"big{bad}")
     kinds = {
         "contacts_between_robots": ("contact of robots", "contacts of robots"),
+        "contacts_with_movers": ("contact with movers or boxes", "contacts with movers or boxes"),
         "contacts_with_boundaries": ("contact with walls", "contacts with walls"),
         "grazes": ("graze between samples", "grazes between samples"),
     }

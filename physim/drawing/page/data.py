@@ -316,7 +316,9 @@ def _told(
         row = number.get((round(one.time / record.dt), one.a, one.b))
         if row is not None:  # the run simulated again may have others
             told[row] = {
-                "lines": sentences(one, names),
+                "lines": sentences(
+                    one, names, "robot" if record.moving == record.robots else "other"
+                ),
                 "responsible": list(one.responsible),
                 "safe": None if not one.warning else round(one.time - one.warning, 6),
             }

@@ -33,7 +33,7 @@ GROUPS = {
     },
     "judge": {
         "validate": ("validate:validate", "check a run: contacts, distances, responsibility"),
-        "judge": ("judge:judge", "judge a log of poses: real robots, or another simulator"),
+        "judge": ("judge:judge", "judge a log of real robots or of another simulator"),
         "check-controller": (
             "check_controller:check_controller",
             "check that a controller keeps the rules of every run",

@@ -302,8 +302,11 @@ def test_nothing_is_suggested_that_is_not_near(capsys) -> None:
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_names_itself_when_it_refuses_an_option(name: str, capsys) -> None:
-    needed = {"import": ["a", "-o", "b"], "list": [], "schema": [], "crashtest": [],
-              "reproduce": []}.get(name, ["a"])  # fmt: skip
+    needed = {
+        "import": ["a", "-o", "b"], "list": [], "schema": [], "crashtest": [], "reproduce": [],
+        "branch": ["a", "--at", 1], "judge": ["a", "--world", "b"],
+        "bear": ["a", "--vary", "x", "--target", 0.9, "--most", 1],
+    }.get(name, ["a"])  # fmt: skip
     done = physim(name, *needed, "--no-such-thing", 3, capture=capsys)
     assert (done.code, done.out) == (2, "")
     check_error(done.err, "--no-such-thing:", f"physim {name}", f"physim {name} --help")

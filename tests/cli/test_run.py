@@ -19,7 +19,9 @@ from physim.world.file import load_world
 from tests.cli.commands import SMALL, frames, physim, tree
 from tests.helpers import check_error, facts, inside
 
-CONTROLLER, DISTURBANCE, SENSING = inside("physim.parts", "CONTROLLER", "DISTURBANCE", "SENSING")
+CONTROLLER, DISTURBANCE, DRIVE, SENSING = inside(
+    "physim.parts", "CONTROLLER", "DISTURBANCE", "DRIVE", "SENSING"
+)
 part_names = inside("physim.parts", "part_names")
 shipped_worlds = inside("physim.world.file", "shipped_worlds")
 
@@ -329,7 +331,7 @@ def test_list_names_every_world_and_controller(
     listed = json.loads(done.out)
     assert listed.pop("worlds") == shipped_worlds()
     assert listed.pop("controllers") == part_names(CONTROLLER)
-    for kind, key in ((SENSING, "sensing"), (DISTURBANCE, "disturbances")):
+    for kind, key in ((SENSING, "sensing"), (DISTURBANCE, "disturbances"), (DRIVE, "drives")):
         assert listed.pop(key) == part_names(kind)
     assert listed
     assert not any(listed.values())  # physim ships no parts of the other kinds

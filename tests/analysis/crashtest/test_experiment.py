@@ -101,7 +101,7 @@ def test_a_broken_check_is_found_out(
 def test_without_the_guard_the_engines_false_contacts_are_reported(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    cases, seed = 1100, 21
+    cases, seed = 600, 33
     guarded = crash_test(cases, seed)
     assert guarded.rejected > 0
     assert guarded.unexplained == []
@@ -109,11 +109,10 @@ def test_without_the_guard_the_engines_false_contacts_are_reported(
         "physim.analysis.crashtest.experiment.Physics", partial(Physics, _guarded=False)
     )
     found = crash_test(cases, seed)
-    near, far = found.unexplained  # one between the skins of the engine's shapes, one far off
-    assert (near.number, near.kind, near.collision_time) == (71, "graze", None)
-    assert "1.85e-09 m" in near.reason
-    assert (far.number, far.kind, far.collision_time) == (190, "side by side", None)
-    assert "0.00337 m" in far.reason
+    (near,) = found.unexplained  # between the skins of the engine's shapes
+    assert (near.number, near.kind) == (512, "graze")
+    assert near.collision_time == pytest.approx(3.602596)
+    assert "1.55e-09 m" in near.reason
 
 
 # Worlds of failing cases

@@ -84,8 +84,16 @@ class Noise:
         self._window = max(SHORTEST_WINDOW, 8.0 * s.position + hypot(*s.bias))
 
     def world_doubts(self, world: World, where: Location) -> Iterator[Fault]:
-        """Doubt noise that is larger than the distances at which a controller avoids."""
+        """Doubt noise larger than what arrival allows, or than where a controller avoids."""
         s, both = self.settings, sqrt(2.0) if self.settings.of == "all" else 1.0
+        off, near = 4.0 * s.position, world.arrival.tolerance
+        if s.of != "others" and off > near * (1.0 + SHARE):
+            yield Fault(
+                (*where, "position"),
+                f"robots stop up to {off:.3g} m (4 standard deviations) from where they believe to "
+                f"stop, beyond the {near:g} m of arrival.tolerance: they may never arrive; lower "
+                "the one, or raise the other",
+            )
         beyond = 3.0 * both * s.position
         for driver in world.drivers():
             made = make_part(OF_ROBOTS, driver.type, driver.settings, where=driver.where)

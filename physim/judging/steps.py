@@ -173,8 +173,8 @@ def _own_step(log: Log, tracks: list[Track]) -> float:
         k = int(np.argmax(off > ON_STEP))
         log.refuse(
             int(lines[k]), "time",
-            f"{times[k]:.12g} s is {off[k]:.2g} steps off; times must be multiples of one step, "
-            f"here {step:.4g} s; {EVERY}, and its poses lie along the twists between samples",
+            f"{times[k]:.12g} s is {off[k]:.2g} steps off, were the steps even; times must be "
+            f"multiples of one step; {EVERY}, and its poses lie along the twists between samples",
         )  # fmt: skip
     for one in tracks:
         spacing = np.diff(one.time)

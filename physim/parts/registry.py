@@ -129,10 +129,11 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
         )
     if ":" not in target:
         own = f"give one of your own as {kind.option} MODULE:CLASS, or " if kind.option else ""
+        name_one = "name one of these, or " if entries else ""
         raise ControllerError(
             f"no {kind.word} is called {describe(name)}; registered: {known}"
-            f"{nearest(name[:100], sorted(entries))}; {own}register it by an entry point in the "
-            f"group {describe(kind.group)}, then pip install again"
+            f"{nearest(name[:100], sorted(entries))}; {name_one}{own}register one by an entry "
+            f"point in the group {describe(kind.group)}, then pip install again"
         )
     if name not in entries:
         if not trusted:

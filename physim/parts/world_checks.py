@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from physim.errors import ControllerError, Fault, Location
 from physim.parts.drive import ANY, PLAIN
+from physim.parts.registry import OF_ROBOTS, find_part, shipped_parts
 from physim.parts.user_code import kind_of, naming
 from physim.world.faults import describe
 from physim.world.group import each_robot
@@ -79,16 +80,22 @@ def drive_faults(controller: object, world: World, driver: Driver) -> list[Fault
         raise ControllerError(f'drives of {name} is {kind_of(can)}; write drives = ("{PLAIN}",)')
     if ANY in can:
         return []
-    found = ((e, world.robots[e].drive) for e in driver.entries)
+    drives = ((e, world.robots[e].drive) for e in driver.entries)
+    found = [(e, one.type) for e, one in drives if one is not None and one.type not in can]
+    shipped = {part: find_part(OF_ROBOTS, part) for part in shipped_parts(OF_ROBOTS)}
+    is_shipped = driver.type in shipped
+    own = ", in a controller of your own," if is_shipped else ""
+    drives_of = "its drives" if is_shipped else f"the drives of {name}"
+    all_can = {part: getattr(made, "drives", (PLAIN,)) for part, made in shipped.items()}
     return [
         Fault(
             ("robots", e, "drive"),
-            f"{describe(one.type)} is no drive for {describe(driver.type)}, which drives "
-            f"{', '.join(can) or 'none'}; give these robots another controller, or, of your own, "
-            f'add "{one.type}" to the drives of {name}',
+            f"{describe(one)} is no drive for {describe(driver.type)}, which drives "
+            f"{', '.join(can) or 'none'}; give these robots a controller that drives {one} "
+            f"({', '.join(part for part in all_can if {one, ANY} & {*all_can[part]})}), or"
+            f'{own} add "{one}" to {drives_of}',
         )
         for e, one in found
-        if one is not None and one.type not in can
     ]
 
 

@@ -400,13 +400,14 @@ def test_faults_and_doubts_stand_at_their_keys(tmp_path: Path) -> None:
         ("{type: missed, probability: 0.9, burst: 2.0}", "", "10"),
         ("{type: noise, position: 0.2, of: others}", "position", "mode_switching.distance_low"),
         ("{type: noise, position: 0.06, of: own}", "position", "mode_switching.boundary_low"),
+        ("{type: noise, position: 0.03, of: own}", "position", "0.1 m of arrival.tolerance"),
     ):
         file = tmp_path / "world.yaml"
         file.write_text(f"{text}\nsensing:\n  stages:\n    - {stage}\n")
         row = file.read_text().splitlines().index(f"    - {stage}") + 1
         column = 7 + (stage.index(line) + len(line) + 2 if line else 0)
         found = said("check", str(file))
-        is_doubt = "mode_switching" in told
+        is_doubt = "mode_switching" in told or "arrival" in told
         assert found.code == (0 if is_doubt else 2)
         (message,) = [one for one in (found.out + found.err).splitlines() if told in one]
         assert f"world.yaml:{row}:{column}" in message, message

@@ -202,7 +202,7 @@ class ForUnicycles:
     ("drive", "told"),
     [
         ("tank", r"robots\[0\].drive: .*registered: car, omni, unicycle"),
-        ("omni", r'robots\[0\].drive: "omni" is no drive for "mode_switching".*unicycle, car'),
+        ("omni", r'robots\[0\].drive: "omni" is no drive for .*drives omni \(constant'),
         ("car", r"robots\[0\].drive.wheelbase: missing"),
         ("{type: car, wheelbase: 1.0, steering: 2.0}", r"drive.steering: .*"),
         ("{type: unicycle, acceleration: 0.0}", r"drive.acceleration: .*"),

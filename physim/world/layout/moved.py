@@ -23,6 +23,8 @@ SAGITTA = 1e-4
 """[m] by which a corner on an arc may pass beyond the hull of the outlines that are looked at"""
 MOST_LOOKS = 2_000
 """of a way between two waypoints"""
+FINER = 1_000
+"""parts of a look in which is found when a mover leaves"""
 BEYOND = 1e-6
 """[m] out of the accessible area that a mover may be: rounding of where it joins a wall"""
 
@@ -60,24 +62,27 @@ def way_faults(laid: Layout) -> Iterator[Fault]:
             angle = 2.0 * np.sqrt(2.0 * SAGITTA / radius)
             looks = np.linspace(times[n - 1], times[n], 2 + min(MOST_LOOKS, int(turn / angle)))
             poses = np.vstack([timed_poses(paths, float(time)) for time in looks])
-            if (found := _first_out(outline, poses, area)) is not None:
-                at, (x, y), far = found
+            if (found := _out(outline, poses, area)) is not None:
+                first, (x, y), far = found
+                finer = np.linspace(looks[first], looks[first + 1], FINER + 1)
+                poses = np.vstack([timed_poses(paths, float(time)) for time in finer])
+                again = _out(outline, poses, area)
                 yield Fault(
                     ("movers", k, "waypoints", n),
-                    f"{describe(mover.name)} leaves the accessible area on its way here, at "
-                    f"{looks[at]:.4g} s by {figure(far)} m at {place_text(x, y)}; keep its whole "
-                    "footprint between the boundaries and off the obstacles",
+                    f"{describe(mover.name)} leaves the accessible area on its way here, first at "
+                    f"{finer[again[0] if again else 0]:.4g} s, and farthest by {figure(far)} m at "
+                    f"{place_text(x, y)}; keep its whole footprint between the boundaries and off "
+                    "the obstacles",
                 )
                 break
 
 
-def _first_out(
-    outline: FloatArray, poses: FloatArray, area: Any
-) -> tuple[int, FloatArray, float] | None:
-    """First of poses (n, 3), and where and how far [m], at which an outline is out of an area.
+def _out(outline: FloatArray, poses: FloatArray, area: Any) -> tuple[int, FloatArray, float] | None:
+    """Last of poses (n, 3) before an outline leaves an area, and where and how far [m] it is out.
 
     Of each two poses that follow each other all in between is looked at, as if it were straight.
     """
+    first, worst, place = len(poses), BEYOND, None
     for part in convex_parts(outline):
         placed = placed_outlines(part, poses)
         pairs = np.array([[placed[k], placed[k + 1]] for k in range(len(placed) - 1)])
@@ -86,15 +91,10 @@ def _first_out(
             points = shapely.get_coordinates(shapely.difference(swept[k], area))
             away = shapely.distance(shapely.points(points), area)
             if len(points) and away.max() > BEYOND:
-                far = shapely.get_coordinates(placed[k + 1])
-                worst = shapely.distance(shapely.points(far), area)
-                is_end = worst.max() > BEYOND
-                return (
-                    k + 1,
-                    (far if is_end else points)[np.argmax(worst if is_end else away)],
-                    (float(away.max())),
-                )
-    return None
+                first = min(first, k)
+                if away.max() > worst:
+                    worst, place = float(away.max()), points[np.argmax(away)]
+    return None if place is None else (first, place, worst)
 
 
 def moved_faults(laid: Layout) -> Iterator[Fault]:

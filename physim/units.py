@@ -82,6 +82,12 @@ def span(seconds: float) -> str:
     return f"{1e3 * seconds:.1f} ms" if size >= 1e-4 else f"{1e6 * seconds:.3g} us"
 
 
+def between(time: float, dt: float) -> str:
+    """``between 4.00 and 4.50 s``: a step of ``dt`` [s] by its end [s]."""
+    digits = 2 if dt >= 0.01 else 4
+    return f"between {time - dt:.{digits}f} and {time:.{digits}f} s"
+
+
 def percent(share: float, digits: int | None = None, side: int = 0) -> str:
     """``99.9 %``; rounded down for a ``side`` of -1, up for 1, else to the nearest.
 

@@ -15,7 +15,7 @@ from physim.errors import plural
 from physim.html import labelled
 from physim.json_text import json_text
 from physim.record import Record
-from physim.units import amount, percent
+from physim.units import amount, between, percent
 from physim.world.faults import describe
 
 
@@ -244,7 +244,9 @@ def table_rows(summary: Summary, brief: bool = False) -> Rows:
     factor = record.wall_clock.get("factor")
     computes = s.value("collision_time_evaluations") is not None
     none = "none" if computes else "n/a (the controller computes none)"
-    grazes = f"{len(run.grazes)}, first at {run.grazes[0].time:.2f} s" if run.grazes else ""
+    grazes = (
+        f"{len(run.grazes)}, first {between(run.grazes[0].time, record.dt)}" if run.grazes else ""
+    )
     return [
         ("run", f"{record.name}, seed {record.seed}, {plural(record.robots, 'robot')}: {end}"),
         *record.setup.lines(),
@@ -327,13 +329,13 @@ def _each_contact(summary: Summary, found: Sequence[Episode | Graze]) -> Rows:
     rows = []
     for one in found[:SHOWN_CONTACTS]:
         names, where = summary.names_of(one.a, one.b), summary.where(one)
+        when, dt = f"{one.time:.2f} s", summary.run.record.dt
         if isinstance(one, Episode):
-            lasts = one.samples * summary.run.record.dt
-            how = f"{lasts:.2f} s long, {1e3 * one.depth:.1f} mm deep"
+            how = f"{one.samples * dt:.2f} s long, {1e3 * one.depth:.1f} mm deep"
             how += "" if one.impact is None else f", impact {amount(one.impact, 'N s', 1)}"
         else:
-            how = f"{1e3 * one.depth:.3g} mm deep, apart at the samples before and after"
-        rows.append((f"  {one.time:.2f} s", f"{' and '.join(names)}{where and f' {where}'}, {how}"))
+            when, how = between(one.time, dt), f"{1e3 * one.depth:.3g} mm deep"
+        rows.append((f"  {when}", f"{' and '.join(names)}{where and f' {where}'}, {how}"))
     return rows + _more(len(found) - len(rows))
 
 

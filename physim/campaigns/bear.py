@@ -28,13 +28,15 @@ The answer depends on the outcomes in the order of seeds alone, never on the num
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import Any
+from typing import Any, get_args
 
 import yaml
+from pydantic import BaseModel
 
 from physim.campaigns.grid import settings_of
 from physim.errors import PhysimError, WorldError, nearest, plain_key
@@ -43,6 +45,7 @@ from physim.statistics import Decision, Goal
 from physim.world import World
 from physim.world.file import read_world
 
+UNIT = re.compile(r"\[[^\]]+\]")
 CELLS = 32
 """Steps of the grid from the least to the greatest strength, where no precision is given"""
 MOST_STRENGTHS = 200
@@ -105,6 +108,8 @@ class Borne:
     known: Mapping[int, Decision]
     """by the numbers of the strengths that were tried; their intervals hold together"""
     interrupted: bool
+    unit: str = ""
+    """of the strength, as `unit_of` gives it"""
 
     @property
     def tried(self) -> list[tuple[float, Decision]]:
@@ -205,6 +210,29 @@ def varied(
         float(f"{least + (most - least) * k / count:.{DIGITS}g}") for k in range(count + 1)
     ]
     return Varied(key, tuple(map(value, strengths)), tuple(strengths))
+
+
+def unit_of(vary: str) -> str:
+    """``[m]``: what the description of a varied key or setting begins with; empty without one."""
+    model: type[BaseModel] | None = World
+    keys, said = plain_key(vary).split("."), ""
+    if keys[0] not in World.model_fields:
+        kind = next(kind for kind in STAGES if keys[0] in part_names(kind))
+        model, keys = settings_model(find_part(kind, keys[0])), keys[1:]
+    for key in (key for key in keys if not key.isdecimal()):
+        if model is None or key not in model.model_fields:
+            return ""
+        field = model.model_fields[key]
+        said, model = field.description or "", _model_in(field.annotation)
+    found = UNIT.match(said)
+    return found[0] if found else ""
+
+
+def _model_in(kind: Any) -> type[BaseModel] | None:
+    """The first model in the type of a key: that of the entries of a list."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return kind
+    return next(filter(None, map(_model_in, get_args(kind))), None)
 
 
 @contextmanager

@@ -90,7 +90,7 @@ def bear(
       physim bear my_world.yaml --vary delay.steps --most 40 --target 0.9 --rate finished
       physim bear crossing --vary robots.0.limits.v --least 0.5 --most 3 --target 0.99
     """
-    from physim.campaigns.bear import Borne, each_confidence, named, next_strength, varied
+    from physim.campaigns.bear import Borne, each_confidence, named, next_strength, unit_of, varied
     from physim.campaigns.cluster import executor
     from physim.campaigns.grid import make_grid
     from physim.campaigns.report.borne import borne_text, borne_values, picture
@@ -130,7 +130,8 @@ def bear(
             progress=lambda tally: bar.update(tally.known, lambda: f"{now}, {tally.note}"),
         )  # fmt: skip
     name, _, driver = grid.cells[0].label
-    found = Borne(name, driver, vary, goal, confidence, strengths, known, tally.interrupted)
+    found = Borne(name, driver, vary, goal, confidence, strengths, known, tally.interrupted,
+                  unit_of(vary))  # fmt: skip
     values = json_text(borne_values(found))
     write_text(folder / VALUES, values)
     for name in PICTURES:

@@ -131,7 +131,8 @@ class SceneModel:
         start = record.moving_pose[0] if record.samples else nowhere
         beside = range(record.robots, record.moving)
         movers: tuple[Mover, ...] = ()
-        if any(record.bodies[body].kind == "mover" for body in beside):
+        is_mover = (record.bodies[body].kind == "mover" for body in beside)
+        if record.judged is None and any(is_mover):  # where a log has them the world does not know
             with suppress(PhysimError):  # the world inside is faulty: it shows none
                 movers = record.world.movers
         return cls(

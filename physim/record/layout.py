@@ -28,6 +28,7 @@ from physim.geometry.shapes import (
 from physim.parts.declarations import NO_NUMBER, Declared, Line
 from physim.parts.given import GivenSettings
 from physim.record.table import Column, Dataset, Packed
+from physim.world.differences import stages_apart
 from physim.world.rules import MOST_STEPS
 from physim.world.scene import Body
 
@@ -86,7 +87,9 @@ class Origin:
 
     def __str__(self) -> str:
         """What was changed, in words."""
-        words = [f"{key} from {before} to {after}" for key, (before, after) in self.changed.items()]
+        changed, stages = stages_apart(self.changed)
+        words = [after for _, after in stages]
+        words += [f"{key} from {before} to {after}" for key, (before, after) in changed.items()]
         return ", ".join(words) or "nothing"
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from physim.parts.drive import PLAIN
 from physim.record.layout import NO_ORIGIN, Origin
 from physim.units import joined
 from physim.world.group import drivers_of
@@ -70,6 +71,8 @@ class Setup:
     """of physim and its libraries; empty where the record does not say"""
     names: tuple[str, ...] = ()
     """of the robots"""
+    drives: dict[str, tuple[int, ...]] = field(default_factory=dict)
+    """robots of each drive, by its name, but for plain unicycles"""
     origin: Origin = NO_ORIGIN
     """of a branch: of which record, and what was changed"""
     begun: float = 0.0
@@ -100,7 +103,13 @@ class Setup:
         if len(self.controllers) > 1:
             each = (f"{part} for {self.who(some)}" for part, some in self.controllers)
             controllers = "; ".join(each)
-        found = [("controller", controllers), *stages, ("from Python", ", ".join(self.others))]
+        drives = ", ".join(f"{name} ({self.who(some)})" for name, some in self.drives.items())
+        found = [
+            ("controller", controllers),
+            ("drives", drives),
+            *stages,
+            ("from Python", ", ".join(self.others)),
+        ]
         if (origin := self.origin).digest:
             words = f"record {origin.digest[:12]} from {self.begun:g} s on; changed: {origin}"
             found.append(("branch of", words))
@@ -146,12 +155,20 @@ def setup_of(record: Record) -> Setup:
     own = dict(parts).get("controller") or _part(world.get("controller"), ControllerChoice().type)
     entries = world.get("robots")
     named: list[tuple[tuple[str, Mapping[str, Any]] | None, int]] = []
+    drives: dict[str, tuple[int, ...]] = {}
+    robots = 0
     for entry in entries if isinstance(entries, list) else ():
         some = entry if isinstance(entry, Mapping) else {}
         count, part = some.get("count", 1), _part(some.get("controller"), "?")
         many = min(count, MOST_ROBOTS) if type(count) is int else 1
         is_own = some.get("controller") is None
         named.append((None if is_own else (part.name, part.settings), many))
+        if some.get("drive") is not None:
+            drive = _part(some["drive"], "?")
+            if drive != Part(PLAIN, {}):
+                mine = tuple(range(robots, robots + many))
+                drives[drive.name] = (*drives.get(drive.name, ()), *mine)
+        robots += many
     drivers = drivers_of((own.name, own.settings), named)
     stages: dict[str, tuple[Part, ...]] = {}
     for word, keys in STAGES.items():
@@ -169,6 +186,7 @@ def setup_of(record: Record) -> Setup:
         others=tuple(f"{kind} {part}" for kind, part in parts if kind != "controller"),
         versions=record.versions,
         names=record.names,
+        drives=drives,
         origin=record.origin,
         begun=record.begun,
     )

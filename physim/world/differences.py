@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -9,6 +10,7 @@ import yaml
 
 from physim.world.model import World
 
+STAGE = re.compile(r"(sensing\.stages|filters|disturbances)\.\d+\.type")
 Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 """The one in C takes a tenth of the time."""
 
@@ -27,6 +29,28 @@ def differences(a: World, b: World) -> dict[str, tuple[str, str]]:
     found = {key: pair for key, pair in pairs.items() if pair[0] != pair[1]}
     others = tuple(key.removesuffix("type") for key in found if key.endswith(".type"))
     return {k: pair for k, pair in found.items() if k.endswith(".type") or not k.startswith(others)}
+
+
+def stages_apart(
+    found: Mapping[str, tuple[str, str]],
+) -> tuple[dict[str, tuple[str, str]], list[tuple[str, str]]]:
+    """What is left of differences without the stages that only one of two worlds has.
+
+    And these in words, for each world: ``with noise, messages`` and ``without noise, messages``.
+    """
+    lists: dict[str, list[str]] = {}
+    for key in found:
+        if stage := STAGE.fullmatch(key):
+            lists.setdefault(stage[1], []).append(key)
+    rest, words = dict(found), []
+    for keys in lists.values():
+        first, second = zip(*(found[key] for key in keys), strict=True)
+        for mine, other in ((first, second), (second, first)):
+            if set(other) == {"none"}:
+                pair = f"with {', '.join(mine)}", f"without {', '.join(mine)}"
+                words.append(pair if mine is first else pair[::-1])
+                rest = {key: values for key, values in rest.items() if key not in keys}
+    return rest, words
 
 
 def _values(value: Any, key: str = "") -> Iterator[tuple[str, str]]:

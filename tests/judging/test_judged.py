@@ -16,6 +16,7 @@ from physim import Kind, Phase, PhysimError, Record
 from tests.helpers import inside
 from tests.helpers.words import facts
 
+SceneModel = inside("physim.drawing.scene_model", "SceneModel")
 Figures = inside("physim.analysis.metrics", "Figures")
 warning_lines = inside("physim.analysis.validation", "warning_lines")
 
@@ -194,6 +195,9 @@ obstacles:
     met = {(record.bodies[row["a"]].name, record.bodies[row["b"]].name) for row in record.contacts}
     assert met == {("alpha", "cart"), ("beta", "cart")}  # the cart passes through the wall untold
     assert (record.extremes["clearance"] < 1e-9).all()
+    shortest = physim.metrics.measure(record)["seen_collision_time"]
+    assert "cart" in {record.bodies[k].name for k in shortest.bodies}
+    assert SceneModel.of_record(record).ways == ()  # of the world's cart, which the log's is not
 
 
 # What readers say

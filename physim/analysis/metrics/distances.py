@@ -77,26 +77,28 @@ MOST_TIMES = 400_000
 
 
 def pair_collision_times(record: Record, horizon: float = HORIZON) -> tuple[Series, FloatArray]:
-    """Least collision time over all pairs of robots after every step with decisions, or, of a log
-    that was judged, after every step.
+    """Least collision time over all pairs of robots after every step with decisions; of a log that
+    was judged after every step, and of robots with movers and what can be pushed, too.
 
     Time (K,) [s] and values (K,) [s], inf where no pair meets within ``horizon``; and the pairs
     (K, 2) that would meet first. Each robot keeps the command applied to it then, on its arc; of a
     log the motion seen.
     """
     steps = record.steps if record.judged else np.unique(record.updates["step"])
-    i, j = np.triu_indices(record.robots, 1)
+    bodies = record.moving if record.judged else record.robots
+    i, j = np.triu_indices(bodies, 1)
+    i, j = i[i < record.robots], j[i < record.robots]
     steps = steps[np.isin(steps, record.steps) & (steps < record.steps_run)]
     if not len(steps) or not len(i):
         return Series(np.zeros(0), np.zeros(0)), np.zeros((0, 2))
     steps = steps[:: -(-len(steps) * len(i) // MOST_TIMES)]
-    twist = np.zeros((len(steps), record.robots, 3))
+    twist = np.zeros((len(steps), bodies, 3))
     for begin, end in blocks(record):
         mine = slice(*np.searchsorted(steps, (begin, end)))
         if mine.start < mine.stop:
             twist[mine] = twists_over(record, begin, end)[steps[mine] - begin]
-    pose, shapes = record.pose[np.searchsorted(record.steps, steps)], record.shapes
-    reach = np.hypot(twist[:, :, 0], twist[:, :, 2]) * horizon + shapes.radius[: record.robots]
+    pose, shapes = record.moving_pose[np.searchsorted(record.steps, steps)], record.shapes
+    reach = np.hypot(twist[:, :, 0], twist[:, :, 2]) * horizon + shapes.radius[:bodies]
     gap = np.hypot(*np.moveaxis(pose[:, i, :2] - pose[:, j, :2], 2, 0))
     k, pair = np.nonzero(gap <= reach[:, i] + reach[:, j])
     a, b = i[pair], j[pair]

@@ -119,8 +119,8 @@ class Figures:
 
     @cached_property
     def seen_collision_time(self) -> Moment | None:
-        """The shortest collision time [s] of two robots that go on as a log shows them; None of a
-        run, where decisions tell more."""
+        """The shortest collision time [s] of a robot and what moves that go on as a log shows them;
+        None of a run, where decisions tell more."""
         return shortest_pair_collision_time(self.record) if self.record.judged else None
 
     @cached_property
@@ -340,8 +340,8 @@ DEFINITIONS = MappingProxyType({one.name: one for one in (
                "shortest collision time that a decision reported", "(11), Figs. 3c, 6d",
                lambda run: run.collision_time),
     Definition("seen_collision_time", "s",
-               "of a log that was judged: shortest collision time of two robots that go on as they "
-               "are seen to move", "(11)", lambda run: run.seen_collision_time),
+               "of a log that was judged: shortest collision time of a robot and what else moves "
+               "that go on as they are seen to move", "(11)", lambda run: run.seen_collision_time),
     Definition("formation_error_peak", "m", "largest size of a formation error at any sample",
                "(10), Figs. 2b, 7a", _formation_error),
     Definition("formation_error_final", "m",

@@ -239,14 +239,15 @@ def twists_over(record: Record, first: int, last: int) -> FloatArray:
     """(last - first, N, 3) what each robot follows from steps ``first`` to ``last - 1`` on.
 
     v [m/s], omega [rad/s], lateral [m/s]: its applied command; of a log that was judged the twist
-    that leads to the next step.
+    that leads to the next step, of all B that move.
     """
     if record.judged is None:
         command = record.commands_over("applied", first, last)
         return twists(command.reshape(-1, command.shape[2])).reshape(*command.shape[:2], 3)
-    moved = np.diff(record.pose[first : last + 1], axis=0)
+    pose = record.moving_pose[first : last + 1]
+    moved = np.diff(pose, axis=0)
     half = 0.5 * moved[..., 2]
-    middle, arc = record.pose[first:last, :, 2] + half, np.sinc(half / np.pi)
+    middle, arc = pose[:-1, :, 2] + half, np.sinc(half / np.pi)
     cos, sin = np.cos(middle) / arc, np.sin(middle) / arc
     x, y, turn = np.moveaxis(moved, 2, 0)
     return np.stack((cos * x + sin * y, turn, cos * y - sin * x), axis=-1) / record.dt

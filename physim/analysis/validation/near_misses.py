@@ -169,8 +169,8 @@ def _times(record: Record, table: DecisionTable) -> tuple[IntArray, FloatArray]:
         end = start + len(poses) - 1
         rows = decided[slice(*np.searchsorted(decided["step"], [start, end]))]
         step, robot = (rows[name].astype(np.int64) for name in ("step", "robot"))
-        twist = table.held_over(start, end)
-        twist[:, : record.robots] = twists_over(record, start, end)
+        twist, seen = table.held_over(start, end), twists_over(record, start, end)
+        twist[:, : seen.shape[1]] = seen
         scan = partial(
             decision_times, step, robot, len(rows), poses.reshape(-1, 3), record.moving, start,
             read_only(twist.reshape(-1, 3)), record.shapes, record.walls,

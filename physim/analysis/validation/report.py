@@ -16,7 +16,7 @@ from physim.analysis.validation.validation import Validation
 from physim.errors import plural
 from physim.record.layout import STANDING
 from physim.tolerances import CONTACT, ONE_STEP
-from physim.units import amount, joined, length, span
+from physim.units import amount, between, joined, length, span
 
 MOST_LISTED = 20
 """Disagreements of one sort, and predictions, that are listed one by one"""
@@ -102,13 +102,15 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
         some = (near.smallest_robots, near.smallest_boundary)
         nearest = "; ".join(_nearest(one, names) for one in some if one is not None)
         return [lead, *wrapped(f"nearest: {nearest or 'nothing'}", "  ", "    ")]
-    robots, first = sum(one.b < run.robots for one in every), min(one.time for one in every)
+    robots, first = sum(one.b < run.robots for one in every), min(every, key=lambda one: one.time)
     walls, movers = sum(one.b >= run.moving for one in every), ""
     if run.moving > run.robots:
         movers = f"{len(every) - robots - walls} with movers or what can be pushed, "
+    is_graze = first.prediction is None
+    when = between(first.time, run.dt) if is_graze else f"at {first.time:.2f} s"
     head = (
         f"CONTACTS: {robots} between robots, {movers}{walls} with boundaries or obstacles, "
-        f"in {run.seconds:.2f} s, the first at {first:.2f} s"
+        f"in {run.seconds:.2f} s, first {when}, {names[first.a]} and {names[first.b]}"
     )
     lines = wrapped(head, "", "  ")
     if swept := len(validation.grazes):
@@ -171,7 +173,7 @@ def _pair_rows(
             f"   {joined([names[i] for i in who] or [''])}".rstrip()
         )
     left = len(pairs) - most
-    return [*lines, f"  and {left} more pairs"] if left > 0 else lines
+    return [*lines, f"  and {plural(left, 'more pair')}"] if left > 0 else lines
 
 
 def _impulses(some: list[Contact]) -> str:

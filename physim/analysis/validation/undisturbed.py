@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from physim.analysis.validation.rerun import run_again
 from physim.contacts import Phase
-from physim.errors import PhysimError
+from physim.errors import PhysimError, plural
 from physim.record import Record
 from physim.simulation.again import AgainError, simulation_again
 from physim.units import joined
@@ -70,7 +70,7 @@ class Undisturbed:
                 for one in shown
             ]
             more = len(some) - len(shown)
-            return joined([*said, f"{more} more pairs"] if more else said)
+            return joined([*said, plural(more, "more pair")] if more else said)
 
         if due:
             yield (

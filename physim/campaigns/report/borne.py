@@ -96,7 +96,7 @@ def picture(found: Borne) -> Any:
         found.tried, found.goal.number, found.bracket, (found.strengths[0], found.strengths[-1]),
         title=f"{found.world}, {found.controller}",
         source=f"intervals hold together with a confidence of {_share(found.confidence)}",
-        strength=found.vary, rate=f"runs {good}",
+        strength=f"{found.vary} {found.unit}".strip(), rate=f"runs {good}",
     )  # fmt: skip
 
 

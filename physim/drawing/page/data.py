@@ -32,7 +32,7 @@ from physim.errors import PhysimError, RecordError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 from physim.simulation.arrival import STILL_TIME, still_distances
-from physim.units import amount, true_minus
+from physim.units import amount, between, true_minus
 
 TOLERANCE, CROWD_TOLERANCE = 0.002, 0.005
 """[m] by which a point of a robot is drawn beside where it was at a sample, at most; of a crowd"""
@@ -60,6 +60,8 @@ MOMENTS = (
 )
 """Metrics that are of a moment, and what they are called."""
 CONTACTS = ("first_contact", "deepest_contact")
+MOST_GRAZES = 5
+"""Grazes, the first of the run, among the moments; the table of contacts has more."""
 MOST_TOLD = 100
 """Contacts, the first of the run, that have a paragraph each."""
 MOVED = 0.02
@@ -110,6 +112,7 @@ def run_data(
         "signs": list(signs(timeline, ground(timeline))),
         "drivers": [one._asdict() for one in timeline.drivers],
         "marks": timeline.marks,
+        **_drives(record),
         "range": _range(record),
         "why": why,
         "decisions": pack_decisions(
@@ -133,6 +136,14 @@ def run_data(
     _pack_events(record, pack)
     pack.whole("arrived", record.arrived)
     return pack.to_base64(header)
+
+
+def _drives(record: Record) -> dict[str, Any]:
+    """Names of the drives of the robots that have one other than a plain unicycle, and whether the
+    record has steering angles; nothing where none has."""
+    found = {str(i): name for name, some in record.setup.drives.items() for i in some}
+    steers = record.holds("/steps/steering")
+    return {"drives": found, "steers": steers} if found else {}
 
 
 def _check_room(record: Record) -> None:
@@ -237,6 +248,12 @@ def moments(
         stations = timeline.record.course[int(timeline.sample(metric.time)), :, 2]
         who = min(robots, key=lambda i: (stations[i], -i), default=None)
         found.append(one | ({"robot": who} if contact is None else {"contact": contact}))
+    contacts, names = timeline.contacts, [clean(body.name) for body in timeline.record.bodies]
+    for k in np.flatnonzero(contacts.swept)[:MOST_GRAZES].tolist():
+        time, (a, b) = float(contacts.began[k]), contacts.bodies[k].tolist()
+        words = between(time, timeline.record.dt)
+        grazed = f"{names[a]} and {names[b]} grazed"
+        found.append({"label": grazed, "time": time, "words": words, "contact": k})
     return found
 
 

@@ -162,7 +162,7 @@ def collision_times(record: Record, paper: Paper = USUAL) -> Any:
 
 
 def _seen_times(record: Record, paper: Paper) -> Any:
-    """Of a log: the least of all pairs of robots that go on as seen."""
+    """Of a log: the least of all pairs that go on as seen, a robot in each."""
     title = "Collision times of robots that go on as seen"
     figure = framed(record, title, paper=paper, height=2.6, width=NARROW)
     axis = figure.subplots()
@@ -171,7 +171,7 @@ def _seen_times(record: Record, paper: Paper) -> Any:
     (time, least), _ = pair_collision_times(record)
     shortest = Figures(record).seen_collision_time
     if shortest is None:
-        nothing(axis, "no two robots headed for a collision")
+        nothing(axis, "nothing headed for a collision")
         return figure
     least = np.where(np.isfinite(least), np.maximum(least, FLOOR), np.nan)
     axis.plot(time, least, color=BAND, linewidth=0.9, label="least of all pairs")

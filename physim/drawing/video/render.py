@@ -51,7 +51,7 @@ from physim.drawing.video.text import BOLD, TEXT, TITLE, shorten, width
 from physim.drawing.video.view import SHORT, Camera, View, smallest_length
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray
-from physim.world.differences import differences
+from physim.world.differences import differences, stages_apart
 
 if TYPE_CHECKING:
     from physim.record import Record
@@ -275,7 +275,8 @@ def titles(left: World, right: World) -> tuple[str, str]:
                             ("disturbances", world.disturbances))
         for k, stage in enumerate(listed)
     }  # fmt: skip
-    words = []
+    many, (rest, apart) = len(found), stages_apart(found)
+    found, words = rest, []
     for key in found:  # of filters.0 not 0 alone
         parts = key.removesuffix(".type").split(".")
         last = max((k for k, part in enumerate(parts) if not part.isdigit()), default=0)
@@ -284,9 +285,13 @@ def titles(left: World, right: World) -> tuple[str, str]:
     if len(set(words)) < len(words):
         words = list(found)
     named = list(zip(words, found.values(), strict=True))[:MOST_NAMED]
-    many = f"{len(found)} values, " if len(found) > len(named) else ""
+    count = f"{many} values, " if len(found) > len(named) else ""
     first, second = (
-        many + ", ".join(f"{word}: {pair[side]}" for word, pair in named) for side in (0, 1)
+        count
+        + ", ".join(
+            [pair[side] for pair in apart] + [f"{word}: {pair[side]}" for word, pair in named]
+        )
+        for side in (0, 1)
     )
     return first, second
 

@@ -130,6 +130,14 @@ def test_a_title_names_the_stage_of_which_a_setting_differs() -> None:
     assert titles(slow, fast) == ("ramp gap: 0.0", "ramp gap: 2.0")
 
 
+def test_a_title_names_the_stages_that_only_one_world_has() -> None:
+    names = ["noise", "messages"]
+    some = parse_world(SMALL).changed(sensing={"stages": [{"type": name} for name in names]})
+    told = "with noise, messages", "without noise, messages"
+    assert titles(some, parse_world(SMALL)) == told
+    assert titles(parse_world(SMALL), some) == told[::-1]
+
+
 def test_the_command_writes_beside_the_first_record(
     free: Record, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

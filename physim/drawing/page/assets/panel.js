@@ -32,7 +32,8 @@ function momentOf(view, time) {
   const count = contacts.count(time);
   const now = contacts.shown(time).filter((one) => one.touches);
   const both = (k) => contacts.bodies(k).map((body) => run.names[body]).join(" – ");
-  const touching = now.length ? both(now.at(-1).k) + (now.length > 1 ? ` + ${now.length - 1}` : "") : "none";
+  const graze = now.length && now.at(-1).swept ? " between samples" : ""; // apart at this one
+  const touching = now.length ? both(now.at(-1).k) + graze + (now.length > 1 ? ` + ${now.length - 1}` : "") : "none";
   const pair = view.closest(time);
   const closest = pair ? `${run.names[pair.a]} – ${run.names[pair.b]} ${metres(pair.distance)}` : "–";
   const wall = run.header.curves.wall ? (view.walls ??= run.array("now_wall"))[nowAt(run, time)] : Infinity;

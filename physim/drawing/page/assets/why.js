@@ -163,6 +163,12 @@ function factTable(run, robot, row, go, time) {
   const { range } = run.header;
   const why = driverOf(run, robot);
   if (why.robots) add("controller", why.controller);
+  const drive = run.header.drives?.[robot];
+  if (drive) {
+    const angle = run.header.steers ? ((run.steering ??= run.array("steering"))[row] * 180) / Math.PI : 0;
+    const side = angle < 0 ? "right" : "left";
+    add("drive", Math.abs(angle) >= 0.05 ? `${drive}, wheels turned ${decimal(Math.abs(angle), 1)}° to the ${side}` : drive);
+  }
   const others = run.considered(row);
   if (others) {
     const buttons = others.slice(0, MOST_OTHERS).map((other) => (other < run.robots

@@ -40,8 +40,13 @@ from physim.reproduction.study import rule_shares
 from physim.world.file.files import shipped_worlds
 from physim.world.layout.scene_builder import is_random
 
-SHOWS_AVOIDANCE = ("ten_robots", "crowded_start", "three_robots", "nonconvex", "random_road")
-"""Worlds whose descriptions claim that avoidance is at work in them."""
+SHOWS_AVOIDANCE = (
+    "ten_robots", "crowded_start", "three_robots", "nonconvex", "random_road", "sliding_door",
+    "crossing_cart", "cars", "noisy_ten_robots", "lossy_ten_robots",
+)  # fmt: skip
+"""Worlds in which avoidance is at work, most often enough."""
+HARD = ("crossing_cart",)
+"""Those of them that say that it is not enough in some runs."""
 WITHOUT = "controller.avoidance=none"
 UNDISTURBED = ("sensing.stages=[]", "disturbances=[]")
 CONTACTS_WITHOUT, FREE_WITH = 0.5, 0.95
@@ -125,7 +130,7 @@ def broken_claims(rates: Mapping[str, Rates]) -> list[str]:
     for name in (name for name in SHOWS_AVOIDANCE if name in rates):
         seeds = rates[name]["seeds"]
         free, bare = (rates[name][arm]["contact_free"] for arm in ("with", "without"))
-        if free < FREE_WITH * seeds:
+        if free < FREE_WITH * seeds and name not in HARD:
             lines.append(f"{name}: {free} of {seeds} contact-free; {FREE_WITH:.0%} are claimed")
         if seeds - bare < CONTACTS_WITHOUT * seeds:
             lines.append(f"{name}: without avoidance {bare} of {seeds} are contact-free, too")

@@ -73,10 +73,10 @@ def test_scene_is_sound(name: str) -> None:
     n = scene.robots
     assert [body.id for body in scene.bodies] == list(range(len(scene.bodies)))
     kinds = [body.kind for body in scene.bodies]
-    assert kinds == sorted(kinds, key=("robot", "boundary", "obstacle").index)
+    assert kinds == sorted(kinds, key=("robot", "mover", "boundary", "obstacle").index)
     assert kinds.count("robot") == n == scene.world.robot_count
     assert scene.names == tuple(robot.name for robot in scene.layout.robots)
-    assert len(scene.bodies) - n == len(scene.walls.body_start) - 1
+    assert len(scene.bodies) - scene.moving == len(scene.walls.body_start) - 1
     assert scene.steps * scene.dt == pytest.approx(scene.world.time.duration, rel=1e-9)
     assert scene.formation.lead.shape == (n,)
     assert scene.formation.lead[0] == 0.0
@@ -85,7 +85,7 @@ def test_scene_is_sound(name: str) -> None:
     _check_arrays(scene)
     area = scene.area.polygon
     parts = scene.shapes
-    for i, (x, y, heading) in enumerate(scene.start):
+    for i, (x, y, heading) in enumerate(scene.moving_start):
         turn = np.array([[np.cos(heading), np.sin(heading)], [-np.sin(heading), np.cos(heading)]])
         for p in range(parts.body_start[i], parts.body_start[i + 1]):
             corners = parts.vertices[parts.part_start[p] : parts.part_start[p + 1]]
@@ -96,8 +96,14 @@ def test_scene_is_sound(name: str) -> None:
 def _check_arrays(scene: Scene) -> None:
     n = scene.robots
     assert scene.start.shape == (n, 3)
-    assert scene.limits.shape == (n, 2)
-    for value in (scene.start, scene.limits, scene.mass, scene.stop_station, scene.walls.vertices):
+    assert scene.limits.shape == (n, scene.columns)
+    for value in (
+        scene.start,
+        scene.limits,
+        scene.mass[:n],
+        scene.stop_station,
+        scene.walls.vertices,
+    ):
         assert value.dtype == np.float64
         assert np.isfinite(value).all()
     assert len(scene.paths.start) == n + 1

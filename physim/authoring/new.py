@@ -16,7 +16,7 @@ import yaml
 from physim._version import __version__
 from physim.errors import ControllerError, Fault, Location, PhysimError, WorldError
 from physim.escaping import escaped
-from physim.parts.registry import CONTROLLER, STAGES, find_part, settings_model
+from physim.parts.registry import CONTROLLER, DRIVE, STAGES, find_part, settings_model
 from physim.world import RandomCorridor, RobotGroup, World
 from physim.world.faults import field_at
 from physim.world.file import read_document, read_world
@@ -98,8 +98,8 @@ def _meaning(world: World, values: Any, location: Location) -> str:
     """Description of the key at a location, those of the settings of parts too."""
     if field := field_at(World, location):
         return field.description or ""
-    for kind in (CONTROLLER, *STAGES):
-        if location[: len(kind.key)] == kind.key:
+    for kind in (CONTROLLER, *STAGES, DRIVE):
+        if location[: len(kind.key)] == kind.key or (kind == DRIVE and "drive" in location):
             for key in location[:-1]:
                 values = values[key]
             try:

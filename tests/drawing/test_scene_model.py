@@ -50,7 +50,8 @@ def both_models(world: World) -> list[SceneModel]:
         safe_distance=L, declared=DECLARED,
     )  # fmt: skip
     none = np.full((1, scene.robots), np.inf)
-    out.append_steps(np.zeros(1, dtype=np.int64), scene.start[None], none, none)
+    wheels = np.zeros_like(none) if scene.steers else None
+    out.append_steps(np.zeros(1, dtype=np.int64), scene.moving_start[None], none, none, wheels)
     out.close("duration", steps_run=0, rejected=0, wall_clock={})
     return [
         SceneModel.of_layout(layout, DECLARED.modes, L),

@@ -21,4 +21,6 @@ def differences(a: Any, b: Any, place: str = "scene") -> list[str]:
         return [d for key in a for d in differences(a[key], b[key], f"{place}.{key}")]
     if isinstance(a, tuple | list) and len(a) == len(b):
         return [d for k in range(len(a)) for d in differences(a[k], b[k], f"{place}[{k}]")]
+    if hasattr(a, "settings") and not callable(a.settings):  # a part, which is its settings
+        return differences(a.settings, b.settings, f"{place}.settings")
     return [] if a == b else [place]

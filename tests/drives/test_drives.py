@@ -157,6 +157,7 @@ def test_mixed_teams_arrive_and_their_records_tell_steering_and_sideways_speed()
         assert run.steering.shape == (run.samples, 4)
         assert (run.steering[:, [0, 1, 3]] == 0.0).all()
         assert np.abs(np.diff(run.steering[:, 2])).max() <= 1.0 * 0.01 + 1e-12
+        assert ("drives", "unicycle (slow), car (car), omni (omni)") in run.setup.lines()
         report = physim.validate(run)
         assert report.code == 1, "the omnidirectional one runs into the wall, and all agrees"
 

@@ -62,6 +62,8 @@ MOMENTS = (
 CONTACTS = ("first_contact", "deepest_contact")
 MOST_GRAZES = 5
 """Grazes, the first of the run, among the moments; the table of contacts has more."""
+MOST_STEERED = 200_000
+"""Steering angles; of more, so many are kept, evenly spread in time"""
 MOST_TOLD = 100
 """Contacts, the first of the run, that have a paragraph each."""
 MOVED = 0.02
@@ -112,7 +114,7 @@ def run_data(
         "signs": list(signs(timeline, ground(timeline))),
         "drivers": [one._asdict() for one in timeline.drivers],
         "marks": timeline.marks,
-        **_drives(record),
+        **_drives(record, pack),
         "range": _range(record),
         "why": why,
         "decisions": pack_decisions(
@@ -138,11 +140,15 @@ def run_data(
     return pack.to_base64(header)
 
 
-def _drives(record: Record) -> dict[str, Any]:
-    """Names of the drives of the robots that have one other than a plain unicycle, and whether the
-    record has steering angles; nothing where none has."""
+def _drives(record: Record, pack: Pack) -> dict[str, Any]:
+    """Names of the drives of the robots that have one other than a plain unicycle, and whether
+    steering angles were added; nothing where none has."""
     found = {str(i): name for name, some in record.setup.drives.items() for i in some}
     steers = record.holds("/steps/steering")
+    if steers:
+        every = -(-record.steering.size // MOST_STEERED) or 1
+        pack.whole("steering_step", record.steps[::every])
+        pack.real("steering", record.steering[::every].T.ravel(), 1e-3)
     return {"drives": found, "steers": steers} if found else {}
 
 

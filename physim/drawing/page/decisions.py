@@ -51,9 +51,6 @@ def pack_decisions(
             continue
         if name.startswith("nominal") or len(record.commands):
             pack.real(name, rows[name], SPEEDS)
-    if record.holds("/steps/steering"):
-        sample = np.searchsorted(record.steps, rows["step"], side="right") - 1
-        pack.real("steering", record.steering[sample, rows["robot"]], SPEEDS)
     shown = list(OWN if few else OWN[2:])
     for name in shown:
         pack.real(name, rows[name], quantum)

@@ -65,7 +65,7 @@ def history(
     lead: FloatArray | None = None,
     stops: FloatArray | None = None,
 ) -> Record:
-    """Record with these rows; contacts are (step, a, b, phase, depth, impulse).
+    """Record with these rows; contacts are (step, a, b, phase, depth, impulse, kind).
 
     Updates are put in the order of steps and hold for one step unless they say otherwise; the
     command in them is nominal and applied. ``commands`` are rows of `COMMAND`; ``pose`` (K, N, 3)
@@ -95,7 +95,9 @@ def history(
         out.append("commands", np.array(list(commands), COMMAND))
     touching = np.zeros(len(contacts), CONTACT_ROW)
     for name, column in zip(
-        ("step", "a", "b", "phase", "depth", "impulse"), zip(*contacts, strict=True), strict=False
+        ("step", "a", "b", "phase", "depth", "impulse", "kind"),
+        zip(*contacts, strict=True),
+        strict=False,
     ):
         touching[name] = column
     out.append("contacts", touching)

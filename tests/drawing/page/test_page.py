@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import physim
-from physim.contacts import Phase
+from physim.contacts import Kind, Phase
 from physim.drawing.page import MOST_RUNS, page, write_page
 from physim.errors import PhysimError
 from physim.record import Record
@@ -149,3 +149,12 @@ def test_the_deepest_contact_is_looked_at_where_it_is_deepest() -> None:
     assert deepest["time"] == pytest.approx(41 * record.dt)
     assert deepest["contact"] == 1
     assert deepest["words"].startswith(("5 mm", "5.00 mm", "0.005"))
+
+
+def test_a_graze_is_a_moment_that_leads_to_it() -> None:
+    both = 0, 1, Phase.BEGAN, 0.001, 0.0
+    contacts = [(20, *both, Kind.PHYSICAL), (40, *both, Kind.SWEPT)]
+    record = history([{"robot": 0}, {"robot": 1}], contacts, pose=np.zeros((101, 2, 3)))
+    *_, graze = moments(Timeline(record), physim.summarise(record))
+    assert graze["label"] == f"{record.names[0]} and {record.names[1]} grazed"
+    assert graze["contact"] == 1

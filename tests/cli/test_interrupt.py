@@ -200,7 +200,7 @@ def test_ctrl_c_of_a_process(arguments: tuple[str, ...], ready: str, said: Any, 
         _, err = process.communicate(timeout=60)
     finally:
         end(process)
-    assert (process.returncode, err.count("\n")) == (130, 1)
+    assert (process.returncode, err.count("\n")) == (130, 1), err
     assert re.search(facts(*said), err), err
     assert not list(here.rglob(".*"))
 

@@ -185,7 +185,8 @@ def test_reset_is_a_new_simulation(name: str) -> None:
     """Until robots have met the walls, which the seed may draw as it may draw the robots."""
     world = parse_world(LONG_OR_SHORT) if name == "long or short" else load_world(name)
     simulation = Simulation(world)
-    ahead = np.stack((simulation.scene.limits[:, 0], 0.05 * simulation.scene.limits[:, 1]), 1)
+    scene = simulation.scene
+    ahead = scene.limits * [1.0, 0.05, 0.0][: scene.columns]
     simulation.step(ahead)
     for seed in (1, 4, None):
         simulation.reset(seed)

@@ -35,6 +35,7 @@ LAYERS = {
     "physim.joining": (0, 1),
     "physim.compiled": (0, 2),
     "physim._version": (0, 0),
+    "physim.installed": (0, 0),
     "physim.worlds": (0, 0),
     "physim.geometry": (0, 4),
     "physim.natives": (0, 5),

@@ -43,7 +43,7 @@ from .path_following import (
     put_pairs,
     target_on_path,
 )
-from .priority import Bodies, Ranking, considered_by_rank, within_by_rank
+from .priority import Bodies, Ranking, considered_by_rank, row_of, within_by_rank
 from .safe_area import Point, Target, is_outside, safe_target
 from .settings import Rules
 from .switching import DISTANCE, SAFE, next_mode, update_interval
@@ -145,17 +145,6 @@ class Answers(NamedTuple):
 
 
 @compiled
-def row_of(bodies: Bodies, i: int) -> int:
-    """Row of Robot i; -1 where it has none."""
-    if i < bodies.size and bodies.number[i] == i:
-        return i  # everybody, in their order
-    for row in range(bodies.size):
-        if bodies.number[row] == i:
-            return row
-    return -1
-
-
-@compiled
 def own_speed(cluster: Cluster, ranking: Ranking, bodies: Bodies, me: int) -> float:
     """Forward speed of row ``me`` [m/s] by (7)."""
     number, station, reach = bodies.number, bodies.station, cluster.formation_range
@@ -199,7 +188,7 @@ def decide_one(
         out.command[k, 0], out.command[k, 1] = 0.0, 0.0
         out.hold[k], out.mode[k], out.rule[k] = rules.longest_interval, ARRIVED, STOP
         return 0
-    me, pose = row_of(bodies, i), bodies.pose
+    me, pose = row_of(bodies.number, bodies.size, i), bodies.pose
     nu = own_speed(cluster, ranking, bodies, me)
     if reach.counts:  # it must come to a stop in time, with half of what it brakes by
         nu = min(nu, sqrt(reach.braking[i] * (stop_station - station)))

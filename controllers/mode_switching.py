@@ -28,7 +28,6 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.errors import Fault, Location
-from physim.geometry.motion import ended_twists, facings, twists
 from physim.geometry.neighbours import put_in_order
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.geometry.walls import nearest_walls
@@ -164,15 +163,7 @@ class ModeSwitching:
         """Decide for robots ``due`` from what each of them may know."""
         cluster, rules, room = view.prepared(self._prepared)
         s, many, rows = view.sensed, len(due), len(view.sensed.robot)
-        station, twist = s.reference_station, twists(s.command)
-        if view.scene.moving > view.scene.robots:  # what is no robot tells neither
-            other = s.robot >= view.scene.robots
-            station = np.where(other, np.inf, station)
-            twist[other] = ended_twists(s.pose[other], s.velocity[other], view.scene.dt)
-        bodies = Bodies(
-            cluster.shapes, s.robot, s.pose, twist, station,
-            facings(s.pose), rows,
-        )  # fmt: skip
+        bodies = Bodies.of(view, cluster.shapes)
         known = Memory(memory["mode"], memory["plan"].reshape(-1, 2), memory["dwell"])
         out = Answers(
             np.empty((many, 2)), np.empty(many), np.empty(many, np.int64),

@@ -226,7 +226,8 @@ class VideoFile(Film):
         try:
             self._encoder = subprocess.Popen(
                 [get_ffmpeg_exe(), *options, f"file:{self._part}"], stdin=subprocess.PIPE,
-                stdout=subprocess.DEVNULL, stderr=self._errors, start_new_session=True, pipesize=1 << 18,
+                stdout=subprocess.DEVNULL, stderr=self._errors, start_new_session=True,
+                pipesize=1 << 18,
             )  # fmt: skip
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)

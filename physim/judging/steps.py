@@ -127,7 +127,7 @@ def _unwrapped(log: Log, track: Track, degrees: bool) -> FloatArray:
 def _doubts(log: Log, tracks: list[Track]) -> Iterator[str]:
     """What speaks for degrees in a log read as radians: the ways that robots go. Where none goes
     far, nothing."""
-    found = []
+    found: list[tuple[float, float, str]] = []
     for given, track in zip(log.tracks, tracks, strict=True):
         x, y = track.pose[:, :2].T
         way = np.cumsum(np.hypot(np.diff(x, prepend=x[0]), np.diff(y, prepend=y[0])))
@@ -136,12 +136,12 @@ def _doubts(log: Log, tracks: list[Track]) -> Iterator[str]:
         far = np.hypot(dx, dy) > 0.5 * PIECE
         if far.sum() < LEAST_PIECES:
             continue
-        off = []
+        median = []
         for heading in (track.pose[ends, 2], np.radians(given.pose[ends, 2])):
             apart = np.arctan2(dy, dx) - 0.5 * (heading[1:] + heading[:-1])  # exact on an arc
             turned = np.remainder(apart[far] + math.pi, 2.0 * math.pi) - math.pi
-            off.append(float(np.median(np.abs(turned))))
-        found.append((*off, track.name))
+            median.append(float(np.median(np.abs(turned))))
+        found.append((median[0], median[1], track.name))
     small = all((np.abs(one.pose[:, 2]) <= 2.0 * math.pi).all() for one in log.tracks)
     if small and found and max(found)[0] > ASKEW and max(fits for _, fits, _ in found) < STRAIGHT:
         off, fits, name = max(found)

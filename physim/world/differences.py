@@ -55,7 +55,7 @@ def stages_apart(
 
 def key_in_words(key: str) -> str:
     """``formation gain``, ``duration``, ``sensing stage 1 deviation``: a dotted key in words."""
-    words = []
+    words: list[str] = []
     for part in key.removeprefix("time.").removesuffix(".type").split("."):
         if part.isdigit():  # an entry of robots may be many robots
             words[-1] = "robots entry" if words[-1] == "robots" else words[-1].removesuffix("s")

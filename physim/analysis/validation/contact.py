@@ -82,7 +82,8 @@ class Contact:
 
 def swept_contacts(record: Record, table: DecisionTable) -> tuple[Contact, ...]:
     """Every recorded contact between two samples, in the order of time."""
-    found, more = enumerate(Figures(record).grazes, 1), {"within": record.dt}
+    found = enumerate(Figures(record).grazes, 1)
+    more: dict[str, float | None] = {"within": record.dt}
     if record.judged is not None:
         more |= dict.fromkeys(("first_impulse", "impulse"))
     return tuple(_contact(record, table, one, number=number, **more) for number, one in found)

@@ -1,4 +1,4 @@
-"""What worlds of the league and those for tuning keep to; those of the gallery have another test."""
+"""What worlds of the league and those for tuning keep to; the gallery has another test."""
 
 from __future__ import annotations
 

@@ -31,7 +31,9 @@ class Contact:
     a: int
     b: int
     time: float
-    """[s] of the first sample in contact; between samples, of the one after it"""
+    """[s] of the first sample in contact; between samples, when the two are closest"""
+    step: int
+    """that sample; between samples, the one after it"""
     place: tuple[float, float]
     """[m] world frame, at that sample; between samples, where the two are closest"""
     station: float
@@ -127,7 +129,7 @@ def _contact(record: Record, table: DecisionTable, touch: Touch, **more: Any) ->
     path = record.reference
     station = project(path, 0, *touch.place, 0.0, path_length(path, 0))[0]
     return Contact(
-        a=touch.a, b=touch.b, time=touch.time, place=touch.place, depth=touch.depth,
-        station=float(station), normal=touch.normal, sides=sides, responsible=charged,
-        along=along_wall(record, touch.b, touch.place), **more,
+        a=touch.a, b=touch.b, time=touch.time, step=touch.step, place=touch.place,
+        depth=touch.depth, station=float(station), normal=touch.normal, sides=sides,
+        responsible=charged, along=along_wall(record, touch.b, touch.place), **more,
     )  # fmt: skip

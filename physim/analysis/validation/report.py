@@ -111,7 +111,7 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
     if run.moving > run.robots:
         movers = f"{len(every) - robots - walls} with movers or what can be pushed, "
     is_graze = first.prediction is None
-    when = between(first.time, run.dt) if is_graze else f"at {first.time:.2f} s"
+    when = between(first.step * run.dt, run.dt) if is_graze else f"at {first.time:.2f} s"
     head = (
         f"CONTACTS: {robots} between robots, {movers}{walls} with boundaries or obstacles, "
         f"in {run.seconds:.2f} s, first {when}, {names[first.a]} and {names[first.b]}"

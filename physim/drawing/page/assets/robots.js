@@ -6,6 +6,7 @@ import { lastAtMost } from "./run.js";
 const MARK_FROM = 5; // [px] size from which heading marks are drawn
 const TRAIL_STEPS = 24;
 const CROWD_STEPS = 4;
+const FAR = 0.05; // [s] beside a sample, from which on figures of that are not those of now
 const FADES = 6; // steps in which a trail fades
 
 /** Shapes of the robots of a run, ready to be placed. */
@@ -200,6 +201,11 @@ export function nearestOn(x, y, ax, ay, bx, by) {
   const square = dx * dx + dy * dy;
   const share = square ? Math.min(1, Math.max(0, ((x - ax) * dx + (y - ay) * dy) / square)) : 0;
   return [ax + share * dx, ay + share * dy];
+}
+
+/** Whether a moment at which the least distances are known is another than a time, to the eye. */
+export function isFar(run, now, time) {
+  return Math.abs(run.now[now] * run.dt - time) > FAR;
 }
 
 /** The moment nearest to a time at which the least distances are known. */

@@ -134,7 +134,7 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
         )
         lines += wrapped(said, "  ", "    ")
     if command := _branch(validation, first.time):
-        lines.append(f"  Go on from {BEFORE:g} s before the first, with a change: {command}")
+        lines.append(f"  Go on from before the first, with a change: {command}")
     if validation.undisturbed is not None:
         for text in validation.undisturbed.sentences(names, full):
             lines += wrapped(text, "  ", "    ")

@@ -195,6 +195,23 @@ export function closestPoints(fleet, pose, a, b) {
   return best;
 }
 
+/** Whether a corner of one of two bodies lies in the other. */
+export function overlap(fleet, pose, a, b) {
+  const rings = [a, b].map((body) => fleet.outline(body, pose, { scale: 1, x: 0, y: 0 }));
+  const holds = (x, y, ring) => {
+    let inside = false;
+    for (let k = 0, m = ring.length - 2; k < ring.length; m = k, k += 2) {
+      const rises = ring[k + 1] > y !== ring[m + 1] > y;
+      const share = (y - ring[k + 1]) / (ring[m + 1] - ring[k + 1]);
+      if (rises && x < ring[k] + share * (ring[m] - ring[k])) inside = !inside;
+    }
+    return inside;
+  };
+  const meet = (corners, bodies) =>
+    corners.some((ring) => bodies.some((other) => ring.some((x, k) => k % 2 === 0 && holds(x, ring[k + 1], other))));
+  return meet(rings[0], rings[1]) || meet(rings[1], rings[0]);
+}
+
 export function nearestOn(x, y, ax, ay, bx, by) {
   const dx = bx - ax;
   const dy = by - ay;

@@ -7,7 +7,7 @@ import { fitted } from "./dom.js";
 import { Ground } from "./ground.js";
 import { drawClosest, drawContacts, drawScale, drawSight, drawTargets } from "./marks.js";
 import { writeLabels } from "./names.js";
-import { Fleet, closestPoints, drawTrails, isFar, nowAt } from "./robots.js";
+import { Fleet, closestPoints, drawTrails, isFar, nowAt, overlap } from "./robots.js";
 import { roundBelow } from "./words.js";
 
 const CONTACT_LASTS = 1; // [s] least simulated time that the mark of a contact stays
@@ -43,8 +43,10 @@ export class View {
     if (!graze && !isFar(run, now, time)) return { a, b, distance };
     const two = graze ? this.contacts.bodies(graze.k) : [a, b];
     const isThere = graze && Math.abs(time - this.contacts.time(graze.k)) <= 0.1 * run.dt;
-    const [from, to] = closestPoints(this.fleet, run.poses(time), ...two);
-    return { a: two[0], b: two[1], distance: isThere ? 0 : Math.hypot(to[0] - from[0], to[1] - from[1]) };
+    const pose = run.poses(time);
+    const [from, to] = closestPoints(this.fleet, pose, ...two);
+    const touch = isThere || overlap(this.fleet, pose, ...two);
+    return { a: two[0], b: two[1], distance: touch ? 0 : Math.hypot(to[0] - from[0], to[1] - from[1]) };
   }
 
   modeColour(robot, time, colours) {

@@ -78,6 +78,7 @@ LAYERS = {
     "physim.authoring": (5, 0),
     "physim.judging": (5, 0),
     "physim.campaigns": (5, 5),
+    "physim.learning": (6, 0),
     "physim.reproduction": (6, 0),
     "physim.cli": (7, 0),
     "physim": (8, 0),
@@ -240,6 +241,8 @@ def test_third_parties_stay_where_they_belong() -> None:
         "pyarrow": ("physim.campaigns",),
         "distributed": ("physim.campaigns",),
         "pandas": ("physim.record",),
+        "gymnasium": ("physim.learning",),
+        "pettingzoo": ("physim.learning",),
     }
     for module in MODULES:
         for line, name in imports(module):

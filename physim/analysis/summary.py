@@ -244,7 +244,9 @@ def table_rows(summary: Summary, brief: bool = False) -> Rows:
     factor = record.wall_clock.get("factor")
     computes = s.value("collision_time_evaluations") is not None
     none = "none" if computes else "n/a (the controller computes none)"
-    grazes = ""
+    grazes, at_samples = "", ""
+    if record.judged and run.nearest and run.nearest.time == run.nearest.step * record.dt:
+        at_samples = "at samples alone: --every S looks between them"
     if run.grazes:
         first = between(run.grazes[0].step * record.dt, record.dt)
         grazes = f"{len(run.grazes)}, first {first}"
@@ -256,7 +258,7 @@ def table_rows(summary: Summary, brief: bool = False) -> Rows:
         *_each_contact(s, run.episodes),
         *([("grazes between samples", grazes)] if grazes else []),
         *_each_contact(s, run.grazes),
-        ("shortest distance", _told(s, "shortest_distance", 4)),
+        ("shortest distance", _told(s, "shortest_distance", 4, more=at_samples)),
         ("shortest boundary distance",
          _told(s, "shortest_boundary_distance", 4, more=run.where_nearest_wall)),
         ("shortest collision time",  # `physim validate` has those of all bodies

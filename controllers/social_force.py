@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from physim.compiled import compiled
-from physim.geometry.bodies import body_separation, frame_at
-from physim.geometry.convex import Witness, part_witness
+from physim.geometry.bodies import body_separation
+from physim.geometry.convex import Witness, frame_at, part_witness
 from physim.geometry.shapes import FloatArray, IntArray, Part, Rows2
 from physim.geometry.walls import all_seen
 from physim.parts.declarations import STANDARD_COLUMNS, Column, Rule

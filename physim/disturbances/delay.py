@@ -46,6 +46,7 @@ class Delay(Stage):
     """Shows robots where others were some time ago: pose and velocity, with their age."""
 
     Settings = DelaySettings
+    settings: DelaySettings
 
     def __init__(self, settings: DelaySettings | None = None) -> None:
         self.settings = settings or DelaySettings()
@@ -65,8 +66,8 @@ class Delay(Stage):
     ) -> tuple[Sensed, Past]:
         """Rows of the past; before there is one so old, of the first sample."""
         own, steps = self.settings.own, self._steps(scene.dt)
-        now = (truth.moving_pose, truth.moving_velocity)
-        now += (truth.station, truth.reference_station) if own else ()
+        bodies = truth.moving_pose, truth.moving_velocity
+        now = (*bodies, *((truth.station, truth.reference_station) if own else ()))
         later = (*state[-steps + 1 :], now) if steps > 1 else (now,)
         if not state or not len(sensed.robot):
             return sensed, later

@@ -53,7 +53,8 @@ def put_hidden(tree: WallTree, shapes: Shapes, bodies: int, rows: Rows, out: Fla
             if far > reach and not isnan(rows.seen[row, 0]):
                 reach = far
         for k in range(bodies):
-            if k != i and np.hypot(pose[k, 0] - x, pose[k, 1] - y) < reach + radius[k]:
+            ox, oy, wide = pose[k, 0] - x, pose[k, 1] - y, reach + radius[k] + MARGIN
+            if k != i and ox * ox + oy * oy < wide * wide:
                 near[many] = k
                 many += 1
         for row in range(rows.first[i], rows.end[i]):

@@ -122,7 +122,7 @@ class OrcaRules(NamedTuple):
 
 
 class WallEdges(NamedTuple):
-    """WallEdges of walls, each from a to b and seen from its right side: of a boundary both ways."""
+    """Edges of walls, each from a to b and seen from its right; those of boundaries both ways."""
 
     edge: Rows8
     """(E, 8) a, b [m], unit directions of the edge that ends at a and of the one that begins at b;
@@ -132,7 +132,7 @@ class WallEdges(NamedTuple):
 
 
 def edges_of(scene: Scene) -> WallEdges:
-    """WallEdges of the walls of a scene."""
+    """Edges of the walls of a scene."""
     walls, joins = scene.walls, scene.pieces.joins
     rows, start = [np.zeros((0, 8))], [0]
     parts = np.split(walls.vertices, walls.part_start[1:-1])
@@ -167,26 +167,17 @@ def leg(x: float, y: float, r: float, side: float) -> tuple[float, float]:
 
 @compiled
 def put_agent_line(
-    px: float,
-    py: float,
-    r: float,
-    ux: float,
-    uy: float,
-    vx: float,
-    vy: float,
-    horizon: float,
-    step: float,
-    share: float,
-    lines: Rows4,
-    k: int,
+    team: Team, bodies: Bodies, me: int, j: int, r: float, horizon: float, lines: Rows4, k: int
 ) -> None:
-    """Write as half-plane k which velocities avoid a disc.
+    """Write as half-plane k which velocities of row ``me`` avoid row j, r [m] the radii of both.
 
-    It is at p [m] from here, has the velocity v, and with the own one the radius r; the own
-    velocity is u. What touches is left within a ``step`` [s]. ``share``: how much is up to oneself.
+    Those that touch are to be apart within a period.
     """
+    px, py = bodies.pose[j, 0] - bodies.pose[me, 0], bodies.pose[j, 1] - bodies.pose[me, 1]
+    ux, uy = velocity_of(bodies, me)
+    vx, vy = velocity_of(bodies, j)
     apart = px * px + py * py > r * r
-    time = horizon if apart else step
+    time = horizon if apart else team.update_period
     rel_x, rel_y = ux - vx, uy - vy
     wx, wy = rel_x - px / time, rel_y - py / time  # from the middle of the disc that cuts off
     size = max(hypot(wx, wy), TINY)
@@ -194,35 +185,30 @@ def put_agent_line(
     if not apart or (ahead < 0.0 and ahead * ahead > r * r * size * size):  # the disc
         nx, ny = wx / size, wy / size
         dx, dy = ny, -nx
-        change = r / time - size
-        cx, cy = change * nx, change * ny
+        cx, cy = (r / time - size) * nx, (r / time - size) * ny
     else:
         side = 1.0 if px * wy - py * wx > 0.0 else -1.0
         dx, dy = leg(px, py, r, side)
         dx, dy = side * dx, side * dy
         along = rel_x * dx + rel_y * dy
         cx, cy = along * dx - rel_x, along * dy - rel_y
+    share = share_of(team, bodies, me, j)
     put_line(lines, k, ux + share * cx, uy + share * cy, dx, dy)
 
 
 @compiled
 def edges_seen(edges: WallEdges, sight: Sight, within: float) -> Parts:
-    """WallEdges in sight that come within so many [m] and are seen from their right, nearest first."""
+    """Edges in sight within so many [m] that are seen from their right, nearest first."""
     parts, many = parts_seen(sight, sight.x, sight.y, within), 0
     for k in range(parts.size):
         many += edges.start[parts.number[k] + 1] - edges.start[parts.number[k]]
     found, gap, count = np.empty(many, np.int64), np.empty(many), 0
     for k in range(parts.size):
         for e in range(edges.start[parts.number[k]], edges.start[parts.number[k] + 1]):
-            ax, ay, bx, by = (
-                edges.edge[e, 0],
-                edges.edge[e, 1],
-                edges.edge[e, 2],
-                edges.edge[e, 3],
-            )
-            if (bx - ax) * (sight.y - ay) - (by - ay) * (sight.x - ax) >= 0.0:
+            a, bx, by = edges.edge[e], edges.edge[e, 2], edges.edge[e, 3]
+            if (bx - a[0]) * (sight.y - a[1]) - (by - a[1]) * (sight.x - a[0]) >= 0.0:
                 continue
-            distance = point_segment(sight.x, sight.y, ax, ay, bx, by)
+            distance = point_segment(sight.x, sight.y, a[0], a[1], bx, by)
             if distance >= within:
                 continue
             at = count
@@ -245,8 +231,8 @@ def put_wall_line(
     lines: Rows4,
     count: int,
 ) -> int:
-    """Write behind ``count`` half-planes which velocities avoid an edge (8,), see `WallEdges`, if it
-    needs one; return how many there are then.
+    """Write behind ``count`` half-planes which velocities avoid an edge (8,), if it needs one;
+    return how many there are then.
 
     The own velocity is u. What is beyond a corner out of sight is not known: the wall ends there.
     """
@@ -439,13 +425,9 @@ def put_velocity(
     hard = count
     for m in range(others):
         j = near[m]
-        vx, vy = velocity_of(bodies, j)
         both = 2.0 if bodies.station[j] < np.inf else 1.0  # a robot strays as well
         r = radius + team.shapes.radius[bodies.number[j]] + both * error
-        put_agent_line(
-            bodies.pose[j, 0] - x, bodies.pose[j, 1] - y, r, ux, uy, vx, vy, rules.horizon,
-            team.update_period, share_of(team, bodies, me, j), lines, count,
-        )  # fmt: skip
+        put_agent_line(team, bodies, me, j, r, rules.horizon, lines, count)
         count += 1
     wish_x, wish_y = asked.preferred[k, 0], asked.preferred[k, 1]
     found = nearest_in(lines, count, hard, limits[0], wish_x, wish_y)

@@ -109,9 +109,20 @@ class OrcaSettings(NavigationSettings):
         return self
 
 
-class OrcaRules(NamedTuple):
-    """The numbers of `OrcaSettings`."""
+class WallEdges(NamedTuple):
+    """Edges of walls, each from a to b and seen from its right; those of boundaries both ways."""
 
+    edge: Rows8
+    """(E, 8) a, b [m], unit directions of the edge that ends at a and of the one that begins at b;
+    at the end of a wall the edge back"""
+    start: IntArray
+    """(P + 1,) part p of the walls has the edges from ``start[p]`` on"""
+
+
+class OrcaRules(NamedTuple):
+    """Edges of walls, and the numbers of `OrcaSettings`."""
+
+    edges: WallEdges
     horizon: float
     wall_horizon: float
     most: int
@@ -121,14 +132,12 @@ class OrcaRules(NamedTuple):
     error_max: float
 
 
-class WallEdges(NamedTuple):
-    """Edges of walls, each from a to b and seen from its right; those of boundaries both ways."""
+class Taken(NamedTuple):
+    """What is decided, a row for each of the M robots asked."""
 
-    edge: Rows8
-    """(E, 8) a, b [m], unit directions of the edge that ends at a and of the one that begins at b;
-    at the end of a wall the edge back"""
-    start: IntArray
-    """(P + 1,) part p of the walls has the edges from ``start[p]`` on"""
+    command: Rows2
+    rule: IntArray
+    report: Rows3
 
 
 def edges_of(scene: Scene) -> WallEdges:
@@ -227,11 +236,11 @@ def put_wall_line(
     r: float,
     ux: float,
     uy: float,
-    horizon: float,
+    time: float,
     lines: Rows4,
-    count: int,
+    k: int,
 ) -> int:
-    """Write behind ``count`` half-planes which velocities avoid an edge (8,), if it needs one;
+    """Write behind ``k`` half-planes which velocities avoid an edge (8,), if it needs one;
     return how many there are then.
 
     The own velocity is u. What is beyond a corner out of sight is not known: the wall ends there.
@@ -248,38 +257,38 @@ def put_wall_line(
         next_x, next_y = -dx, -dy
     a_convex, b_convex = prev_x * dy - prev_y * dx >= 0.0, dx * next_y - dy * next_x >= 0.0
 
-    rest = r / horizon
-    at_ax, at_ay, at_bx, at_by = ax / horizon, ay / horizon, bx / horizon, by / horizon
-    for j in range(count):  # covered by that of another edge
+    rest = r / time
+    at_ax, at_ay, at_bx, at_by = ax / time, ay / time, bx / time, by / time
+    for j in range(k):  # covered by that of another edge
         from_line = min(violation_by(lines[j], at_ax, at_ay), violation_by(lines[j], at_bx, at_by))
         if from_line - rest >= -PARALLEL:
-            return count
+            return k
 
     s = -(ax * dx + ay * dy) / length
     from_line = abs(ax * dy - ay * dx)
     if s < 0.0 and from_a <= r:  # it touches
         if a_convex:
-            put_line(lines, count, 0.0, 0.0, -ay / from_a, ax / from_a)
-            count += 1
-        return count
+            put_line(lines, k, 0.0, 0.0, -ay / from_a, ax / from_a)
+            k += 1
+        return k
     if s > 1.0 and from_b <= r:
         if b_convex and bx * next_y - by * next_x >= 0.0:
-            put_line(lines, count, 0.0, 0.0, -by / from_b, bx / from_b)
-            count += 1
-        return count
+            put_line(lines, k, 0.0, 0.0, -by / from_b, bx / from_b)
+            k += 1
+        return k
     if 0.0 <= s <= 1.0 and from_line <= r:
-        put_line(lines, count, 0.0, 0.0, -dx, -dy)
-        return count + 1
+        put_line(lines, k, 0.0, 0.0, -dx, -dy)
+        return k + 1
 
     is_one = from_line <= r  # seen obliquely: both legs from the near end
     if is_one and s < 0.0:
         if not a_convex:
-            return count
+            return k
         bx, by, at_bx, at_by = ax, ay, at_ax, at_ay
         b_convex, next_x, next_y = True, dx, dy
     elif is_one:
         if not b_convex:
-            return count
+            return k
         ax, ay, at_ax, at_ay = bx, by, at_bx, at_by
         a_convex, prev_x, prev_y = True, dx, dy
     left_x, left_y, right_x, right_y = -dx, -dy, dx, dy
@@ -296,7 +305,7 @@ def put_wall_line(
     off_x, off_y = ux - at_ax, uy - at_ay
     t = 0.5
     if not is_one:
-        t = (off_x * dx + off_y * dy) * horizon / length
+        t = (off_x * dx + off_y * dy) * time / length
     t_left = off_x * left_x + off_y * left_y
     t_right = (ux - at_bx) * right_x + (uy - at_by) * right_y
     at_x, at_y = at_ax, at_ay
@@ -306,8 +315,8 @@ def put_wall_line(
     if is_end:
         size = max(hypot(ux - at_x, uy - at_y), TINY)
         nx, ny = (ux - at_x) / size, (uy - at_y) / size
-        put_line(lines, count, at_x + rest * nx, at_y + rest * ny, ny, -nx)
-        return count + 1
+        put_line(lines, k, at_x + rest * nx, at_y + rest * ny, ny, -nx)
+        return k + 1
     cut, to_left, to_right = np.inf, np.inf, np.inf
     if not is_one and 0.0 <= t <= 1.0:
         cut = abs(off_x * dy - off_y * dx)
@@ -319,14 +328,14 @@ def put_wall_line(
         dx, dy = -dx, -dy
     elif to_left <= to_right:
         if left_foreign:
-            return count
+            return k
         dx, dy = left_x, left_y
     else:
         if right_foreign:
-            return count
+            return k
         dx, dy, at_x, at_y = -right_x, -right_y, at_bx, at_by
-    put_line(lines, count, at_x - rest * dy, at_y + rest * dx, dx, dy)
-    return count + 1
+    put_line(lines, k, at_x - rest * dy, at_y + rest * dx, dx, dy)
+    return k + 1
 
 
 @compiled
@@ -374,18 +383,11 @@ def tracking_command(
 
 @compiled
 def put_velocity(
-    k: int,
-    team: Team,
-    bodies: Bodies,
-    asked: Asked,
-    edges: WallEdges,
-    rules: OrcaRules,
-    command: Rows2,
-    rule: IntArray,
-    report: Rows3,
+    k: int, team: Team, bodies: Bodies, asked: Asked, rules: OrcaRules, out: Taken
 ) -> None:
     """Decide for the k-th robot asked."""
-    i, me = asked.robot[k], asked.row[k]
+    i, me, edges = asked.robot[k], asked.row[k], rules.edges
+    command, report = out.command[k], out.report[k]
     x, y, heading = bodies.pose[me, 0], bodies.pose[me, 1], bodies.pose[me, 2]
     ux, uy = velocity_of(bodies, me)
     limits, radius = team.limits[i], team.shapes.radius[i] + team.margin
@@ -431,36 +433,27 @@ def put_velocity(
         count += 1
     wish_x, wish_y = asked.preferred[k, 0], asked.preferred[k, 1]
     found = nearest_in(lines, count, hard, limits[0], wish_x, wish_y)
-    rule[k] = 0
+    out.rule[k] = 0
     for m in range(count):
         if (m < of_walls or m >= hard) and violation_by(lines[m], wish_x, wish_y) > 0.0:
-            rule[k] = 2 if found.violation > 0.0 else 1
-    report[k, 0], report[k, 1], report[k, 2] = count, found.violation, error
+            out.rule[k] = 2 if found.violation > 0.0 else 1
+    report[0], report[1], report[2] = count, found.violation, error
 
     speed, turn = hypot(found.x, found.y), turn_to(found.x, found.y, heading)
     if rules.bounded:
         time = rules.turning_time
         speed = min(speed, trackable_speed(turn, error, time, limits[0], limits[1]))
     if speed <= STILL:
-        command[k, 0], command[k, 1] = 0.0, 0.0
+        command[0], command[1] = 0.0, 0.0
         return
-    command[k, 0], command[k, 1] = tracking_command(speed, turn, rules.turning_time, limits[1])
+    command[0], command[1] = tracking_command(speed, turn, rules.turning_time, limits[1])
 
 
 @compiled
-def put_orca(
-    team: Team,
-    bodies: Bodies,
-    asked: Asked,
-    edges: WallEdges,
-    rules: OrcaRules,
-    command: Rows2,
-    rule: IntArray,
-    report: Rows3,
-) -> None:
+def put_orca(team: Team, bodies: Bodies, asked: Asked, rules: OrcaRules, out: Taken) -> None:
     """Decide for the robots asked."""
     for k in range(asked.size):
-        put_velocity(k, team, bodies, asked, edges, rules, command, rule, report)
+        put_velocity(k, team, bodies, asked, rules, out)
 
 
 class Orca(Navigating):
@@ -487,9 +480,9 @@ class Orca(Navigating):
         """Decide for the robots asked by the half-planes of others and of walls."""
         own, many = self.settings, asked.size
         rules = OrcaRules(
-            own.time_horizon, own.wall_time_horizon, own.max_neighbours, own.bounded,
-            own.turning_time, own.error_min, own.error_max,
+            view.prepared(edges_of), own.time_horizon, own.wall_time_horizon, own.max_neighbours,
+            own.bounded, own.turning_time, own.error_min, own.error_max,
         )  # fmt: skip
-        command, rule, report = np.empty((many, 2)), np.empty(many, np.int64), np.empty((many, 3))
-        put_orca(team, bodies, asked, view.prepared(edges_of), rules, command, rule, report)
-        return command, rule, report
+        out = Taken(np.empty((many, 2)), np.empty(many, np.int64), np.empty((many, 3)))
+        put_orca(team, bodies, asked, rules, out)
+        return out

@@ -18,7 +18,9 @@ put_orca, OrcaRules, edges_of = inside("physim.controllers", "put_orca", "OrcaRu
 put_trackable_lines, tracking_command = inside(
     "physim.controllers", "put_trackable_lines", "tracking_command"
 )
-trackable_speed, OrcaSettings = inside("physim.controllers", "trackable_speed", "OrcaSettings")
+trackable_speed, OrcaSettings, Taken = inside(
+    "physim.controllers", "trackable_speed", "OrcaSettings", "Taken"
+)
 Team, Asked, Bodies = inside("physim.controllers", "Team", "Asked", "Bodies")
 SpeedRule = inside("physim.controllers", "SpeedRule")
 pieces_of = inside("physim.world", "pieces_of")
@@ -63,7 +65,7 @@ def chosen(
              "turning_time": T, "error_min": 0.02, "error_max": 0.1}  # fmt: skip
     out = np.empty((robots, 2)), np.empty(robots, np.int64), np.empty((robots, 3))
     scene = SimpleNamespace(walls=solid, pieces=SimpleNamespace(joins=joins_of(walls)))
-    put_orca(team, bodies, asked, edges_of(scene), OrcaRules(**(given | rules)), *out)
+    put_orca(team, bodies, asked, OrcaRules(edges_of(scene), **(given | rules)), Taken(*out))
     (v, turn), heading = out[0].T * ((1.0,), (T,)), heading[:robots]
     half = np.where(turn == 0.0, 1e-9, 0.5 * turn)
     u = v / (half / np.tan(half))

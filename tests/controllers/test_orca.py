@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.geometry.motion import arcs, facings
-from physim.geometry.shapes import pack_parts
-from physim.geometry.walls import build_wall_tree, nearest_walls
 from tests.helpers import inside
 
+arcs, facings, pack_parts = inside("physim.geometry", "arcs", "facings", "pack_parts")
+build_wall_tree, nearest_walls = inside("physim.geometry", "build_wall_tree", "nearest_walls")
+pack_polylines = inside("physim.geometry", "pack_polylines")
 put_orca, OrcaRules, edges_of = inside("physim.controllers", "put_orca", "OrcaRules", "edges_of")
 put_trackable_lines, tracking_command = inside(
     "physim.controllers", "put_trackable_lines", "tracking_command"
@@ -43,7 +43,7 @@ def chosen(
     robots = robots or many
     shapes, solid = pack_parts([[ROUND]] * many), pack_parts([[one] for one in walls])
     tree, nobody = build_wall_tree(solid), np.zeros(0, np.int64)
-    lines, limits = inside("physim.geometry", "pack_polylines")([[(0, 0), (1, 0)]]), (V_MAX, omega)
+    lines, limits = pack_polylines([[(0, 0), (1, 0)]]), (V_MAX, omega)
     team = Team(
         shapes, tree, nearest_walls(many), lines, np.zeros(many), np.tile(limits, (many, 1)),
         SpeedRule(False, 1.0, 0.0, 0.0, 1.0), np.zeros(many), nobody, 0, 0.0, 15.0, 2.0, PERIOD,

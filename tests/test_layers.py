@@ -26,6 +26,7 @@ LAYERS = {
     "physim.escaping": (0, 0),
     "physim.errors": (0, 1),
     "physim.html": (0, 1),
+    "physim.blocks": (0, 2),
     "physim.units": (0, 0),
     "physim.tolerances": (0, 0),
     "physim.terminal": (0, 2),

@@ -41,7 +41,7 @@ LAYERS = {
     "physim.natives": (0, 5),
     "physim.contacts": (0, 5),
     "physim.randomness": (0, 6),
-    "physim.statistics": (0, 5),
+    "physim.statistics": (0, 7),
     "physim.world": (1, 0),
     "physim.world.scene": (1, 1),
     "physim.parts": (1, 2),

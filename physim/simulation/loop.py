@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 import hashlib
+import time
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from typing import Any, SupportsIndex
@@ -82,6 +83,9 @@ class Simulation:
     mode: NDArray[np.int64]
     next_decision: NDArray[np.int64]
     memory: dict[str, NDArray[Any]]
+    decision_times: list[float] | None = None
+    """[s] of processor time that decisions took, those of one step shared by the robots that were
+    due; None: not measured"""
     _next_due: int
     _sensed: tuple[Sensed, tuple[Any, ...]] | None
     _looking: IntArray | None
@@ -352,7 +356,10 @@ class Simulation:
             return Decided(self.now.command)
         due = read_only((self.next_decision <= self.now.step).nonzero()[0])
         view = self._view_of(self._sense(due)[0])
+        began = time.thread_time()
         decided = decide(self._asked, view, due, self.now.command, self.memory)
+        if self.decision_times is not None:
+            self.decision_times.append((time.thread_time() - began) / len(due))
         if decided.decisions is not None:
             self.mode = replaced(self.mode, due, decided.decisions.mode)
         self.next_decision = replaced(self.next_decision, due, decided.next_step)

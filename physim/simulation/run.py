@@ -112,6 +112,7 @@ def record_run(
         with suppress(PhysimError):
             writer.keep_state(begun, packed(simulation.state))
     recorder = Recorder(writer, every, tables)
+    times = simulation.decision_times = []
     started, ended, late = time.perf_counter(), "error", None
     try:
         for observer in (recorder, *others):
@@ -124,16 +125,17 @@ def record_run(
         if ended == "error":
             _close(simulation, ended)  # the error that ended the run is the one to report
             recorder.close(ended)
-        simulation.observers = []
+        simulation.observers, simulation.decision_times = [], None
         elapsed = time.perf_counter() - started
+        clock = {"seconds": elapsed, "factor": recorder.taken * scene.dt / max(elapsed, 1e-9)}
+        if times:
+            clock |= {"decision_median": np.median(times), "decision_99": np.quantile(times, 0.99)}
         writer.close(
             ended,
             steps_run=begun + recorder.taken,
             rejected=recorder.rejected,
-            wall_clock={
-                "seconds": elapsed, "factor": recorder.taken * scene.dt / max(elapsed, 1e-9)
-            },
-        )  # fmt: skip
+            wall_clock=clock,
+        )
     if late is not None:
         raise LateError(str(late), writer.record()) from late
     return writer.record()

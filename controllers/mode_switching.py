@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.errors import Fault, Location
-from physim.geometry.motion import Course, ended_twists, facings, twists
+from physim.geometry.motion import Course
 from physim.geometry.neighbours import put_in_order
 from physim.geometry.path import path_length, point_at
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows2, Rows6, Shapes
@@ -64,7 +64,15 @@ from .path_following import (
     put_pairs,
     target_on_path,
 )
-from .priority import Bodies, Ranking, considered_by_rank, rank, ranking_of, within_by_rank
+from .priority import (
+    Bodies,
+    Ranking,
+    considered_by_rank,
+    rank,
+    ranking_of,
+    row_of,
+    within_by_rank,
+)
 from .safe_area import Point, Target, is_outside, safe_target
 from .settings import ModeSwitchingSettings, Rules
 from .switching import DISTANCE, SAFE, next_mode, update_interval
@@ -189,17 +197,6 @@ class Answers(NamedTuple):
 
 
 @compiled
-def row_of(bodies: Bodies, i: int) -> int:
-    """Row of Robot i; -1 where it has none."""
-    if i < bodies.size and bodies.number[i] == i:
-        return i  # everybody, in their order
-    for row in range(bodies.size):
-        if bodies.number[row] == i:
-            return row
-    return -1
-
-
-@compiled
 def own_speed(cluster: Cluster, ranking: Ranking, bodies: Bodies, me: int) -> float:
     """Forward speed of row ``me`` [m/s] by (7)."""
     number, station, reach = bodies.number, bodies.station, cluster.formation_range
@@ -243,7 +240,7 @@ def decide_one(
         out.command[k, 0], out.command[k, 1] = 0.0, 0.0
         out.hold[k], out.mode[k], out.rule[k] = rules.longest_interval, ARRIVED, STOP
         return 0
-    me, pose = row_of(bodies, i), bodies.pose
+    me, pose = row_of(bodies.number, bodies.size, i), bodies.pose
     nu = own_speed(cluster, ranking, bodies, me)
     if reach.counts:  # it must come to a stop in time, with half of what it brakes by
         nu = min(nu, sqrt(reach.braking[i] * (stop_station - station)))
@@ -473,15 +470,7 @@ class ModeSwitching:
         """Decide for robots ``due`` from what each of them may know."""
         cluster, rules, room = view.prepared(self._prepared)
         s, many, rows = view.sensed, len(due), len(view.sensed.robot)
-        station, twist = s.reference_station, twists(s.command)
-        if view.scene.moving > view.scene.robots:  # what is no robot tells neither
-            other = s.robot >= view.scene.robots
-            station = np.where(other, np.inf, station)
-            twist[other] = ended_twists(s.pose[other], s.velocity[other], view.scene.dt)
-        bodies = Bodies(
-            cluster.shapes, s.robot, s.pose, twist, station,
-            facings(s.pose), rows,
-        )  # fmt: skip
+        bodies = Bodies.of(view, cluster.shapes)
         known = Memory(memory["mode"], memory["plan"].reshape(-1, 2), memory["dwell"])
         out = Answers(
             np.empty((many, 2)), np.empty(many), np.empty(many, np.int64),

@@ -11,13 +11,17 @@ Departures from the paper: equal stations, on which it is silent, are settled by
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from physim.compiled import compiled
+from physim.geometry.motion import ended_twists, facings, twists
 from physim.geometry.neighbours import put_in_order
 from physim.geometry.shapes import FloatArray, IntArray, Rows2, Rows3, Shapes
+
+if TYPE_CHECKING:
+    from physim.simulation.observation import View
 
 
 class Bodies(NamedTuple):
@@ -36,6 +40,29 @@ class Bodies(NamedTuple):
     """(n, 2) cosine and sine of the headings, `physim.geometry.motion.facings`"""
     size: int
     """n"""
+
+    @staticmethod
+    def of(view: View, shapes: Shapes) -> Bodies:
+        """All rows that are sensed; what is no robot tells neither command nor station."""
+        sensed, scene = view.sensed, view.scene
+        station, twist = sensed.reference_station, twists(sensed.command)
+        if scene.moving > scene.robots:
+            other = sensed.robot >= scene.robots
+            station = np.where(other, np.inf, station)
+            twist[other] = ended_twists(sensed.pose[other], sensed.velocity[other], scene.dt)
+        facing = facings(sensed.pose)
+        return Bodies(shapes, sensed.robot, sensed.pose, twist, station, facing, len(sensed.robot))
+
+
+@compiled
+def row_of(number: IntArray, rows: int, i: int) -> int:
+    """Row of Robot i among so many ``rows`` of robots ``number`` (n,); -1 where it has none."""
+    if i < rows and number[i] == i:
+        return i  # everybody, in their order
+    for row in range(rows):
+        if number[row] == i:
+            return row
+    return -1
 
 
 @compiled

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import ceil, hypot
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -15,6 +15,10 @@ from .settings import ModeSwitchingSettings
 
 if TYPE_CHECKING:
     from physim.world import Robot, World
+
+    from .navigation import NavigationSettings
+
+    Following: TypeAlias = ModeSwitchingSettings | NavigationSettings
 
 
 def omega_faults(
@@ -57,7 +61,7 @@ def _beyond(k: int, omega: float, robots: Mapping[int, Robot]) -> list[Fault]:
     return [Fault(("controller", "omegas", k), message)]
 
 
-def speed_faults(settings: ModeSwitchingSettings, world: World, where: Location) -> list[Fault]:
+def speed_faults(settings: Following, world: World, where: Location) -> list[Fault]:
     """Refuse ``speed`` beside a formation, which has a speed of its own."""
     if world.formation is None or "speed" not in settings.model_fields_set:
         return []
@@ -67,9 +71,7 @@ def speed_faults(settings: ModeSwitchingSettings, world: World, where: Location)
     return [Fault((*where, "speed"), message)]
 
 
-def speed_doubts(
-    settings: ModeSwitchingSettings, world: World, where: Location, by_7: bool
-) -> list[Fault]:
+def speed_doubts(settings: Following, world: World, where: Location, by_7: bool) -> list[Fault]:
     """Warn of a speed beyond the limits of all robots, if it is written.
 
     Where speeds are set ``by_7``, of one outside those of the formation.
@@ -107,9 +109,7 @@ def safe_area_doubts(settings: ModeSwitchingSettings, world: World, where: Locat
     return [Fault((*where, "safe_distance"), message)]
 
 
-def stop_doubts(
-    settings: ModeSwitchingSettings, world: World, may_stand: bool = False
-) -> list[Fault]:
+def stop_doubts(settings: Following, world: World, may_stand: bool = False) -> list[Fault]:
     """Warn of robots that stop farther from their stop stations than arrival allows.
 
     One that ``may_stand`` rather than go on does so where half a period would take it to its stop,

@@ -13,6 +13,8 @@ from physim.terminal import INTERRUPTED, gates, interrupts, silence, without_war
 
 UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 """What a standard output answers that takes nothing more."""
+PATIENT = 50_000
+"""New objects after which a process of physim's own looks for garbage"""
 FAULT = 70
 """Exit code of an exception that nobody expected: a fault in physim (EX_SOFTWARE of sysexits)."""
 
@@ -28,6 +30,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     file with line and column, the file, the option, or the command.
     """
     words, code = sys.argv[1:] if arguments is None else arguments, 0
+    if arguments is None:
+        gc.set_threshold(PATIENT)  # to look for garbage at every import takes 30 ms
     with without_warnings(), gates(), interrupts(due=0.0) as interrupt:
         try:
             try:

@@ -108,7 +108,7 @@ class SceneModel:
             name=world.name,
             seed=world.seed,
             bodies=tuple(Body(k, *one) for k, one in enumerate(names)),
-            footprints=tuple(convex_parts(outline) for outline in layout.footprints),
+            footprints=tuple(layout.parts),
             start=layout.start,
             moved=tuple(convex_parts(one.outline) for one in layout.moved),
             moved_start=np.array([one.start for one in layout.moved]).reshape(-1, 3),

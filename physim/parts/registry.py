@@ -10,12 +10,12 @@ import inspect
 import json
 from collections.abc import Mapping
 from dataclasses import replace
-from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic import BaseModel, ValidationError
 
 from physim.errors import ControllerError, Fault, Location, WorldError, dotted, nearest
+from physim.installed import registered
 from physim.parts.user_code import (
     folder_kept,
     kind_of,
@@ -99,7 +99,7 @@ def part_names(kind: Kind) -> dict[str, str]:
     One that cannot be imported is listed with the reason.
     """
     found = {}
-    for name in sorted(_entries(kind)):
+    for name in sorted(registered(kind.group)):
         try:
             doc = find_part(kind, name).__doc__
             found[name] = next(iter((doc or "").strip().splitlines()), "no description")
@@ -110,7 +110,7 @@ def part_names(kind: Kind) -> dict[str, str]:
 
 def shipped_parts(kind: Kind) -> list[str]:
     """Names of the parts of a kind that come with physim."""
-    entries = _entries(kind).items()
+    entries = registered(kind.group).items()
     return sorted(name for name, (target, *_) in entries if target.startswith("physim."))
 
 
@@ -119,7 +119,7 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
 
     Raises `ControllerError` when it is unknown, may not be named here, or cannot be imported.
     """
-    entries, what = _entries(kind), f"{kind.word} {describe(name)}"
+    entries, what = registered(kind.group), f"{kind.word} {describe(name)}"
     target, *others = entries.get(name, (name,))
     known = ", ".join(sorted(entries)) or "none"
     if others:
@@ -269,11 +269,3 @@ def checked_settings(
             found = faults_of(error.__cause__, model)
             return None, faults + [Fault((*where, *one.location), one.message) for one in found]
         return None, [*faults, Fault(where, str(error))]
-
-
-def _entries(kind: Kind) -> dict[str, tuple[str, ...]]:
-    """``module:Class`` by name: several where packages give different ones the same name."""
-    found: dict[str, set[str]] = {}
-    for entry in entry_points(group=kind.group):
-        found.setdefault(entry.name, set()).add(entry.value)
-    return {name: tuple(sorted(targets)) for name, targets in found.items()}

@@ -82,6 +82,8 @@ def drive_faults(controller: object, world: World, driver: Driver) -> list[Fault
         return []
     drives = ((e, world.robots[e].drive) for e in driver.entries)
     found = [(e, one.type) for e, one in drives if one is not None and one.type not in can]
+    if not found:  # to find the others would import them all
+        return []
     shipped = {part: find_part(OF_ROBOTS, part) for part in shipped_parts(OF_ROBOTS)}
     is_shipped = driver.type in shipped
     own = ", in a controller of your own," if is_shipped else ""

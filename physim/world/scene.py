@@ -124,6 +124,8 @@ class Layout:
     """accessible face"""
     footprints: list[FloatArray]
     """N outlines (n, 2), counter-clockwise; one array for robots of the same outline"""
+    parts: list[tuple[FloatArray, ...]]
+    """convex parts (n, 2) of each of these"""
     paths: list[FloatArray]
     """N paths (n, 2); one array for robots of the same path"""
     start: FloatArray

@@ -19,13 +19,13 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Collection
-from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from physim.analysis.metrics.metric import Definition, Each, Found, Moment, Place
 from physim.errors import PhysimError
+from physim.installed import registered
 from physim.parts.user_code import kind_of, naming
 from physim.record import Record
 
@@ -47,7 +47,7 @@ class Registered(NamedTuple):
 def own_metrics(taken: Collection[str]) -> Registered:
     """Find the registered metrics; ``taken`` are names that they may not have."""
     found, faults = {}, []
-    for name in sorted({entry.name for entry in entry_points(group="physim.metrics")}):
+    for name in sorted(registered("physim.metrics")):
         from physim.parts.registry import METRIC  # only here: it brings the models of worlds along
 
         try:

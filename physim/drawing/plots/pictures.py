@@ -17,7 +17,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from functools import partial
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +31,7 @@ from physim.drawing.plots.modes import modes
 from physim.drawing.plots.style import load_matplotlib, save_figure
 from physim.drawing.printed import printed_width
 from physim.errors import PhysimError, RecordError, WorldError, nearest
+from physim.installed import registered
 from physim.parts.user_code import naming
 from physim.record import Record, check_record
 
@@ -65,7 +65,7 @@ def not_replaced(only: Sequence[str]) -> tuple[str, ...]:
 
 
 def _registered() -> list[str]:
-    return sorted({entry.name for entry in entry_points(group="physim.plots")})
+    return sorted(registered("physim.plots"))
 
 
 def draw(

@@ -15,6 +15,7 @@ import numpy as np
 import shapely
 
 from physim.errors import Fault, Location, WorldError, place_text
+from physim.geometry.polygon import convex_parts
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world import Obstacle, RandomCorridor, World, each_robot
@@ -23,7 +24,7 @@ from physim.world.ground.corridor import corridor_boundaries
 from physim.world.ground.lines import meet_more_often, segments_of, thinned
 from physim.world.layout.moved import moved_faults, mover_step_faults, way_faults
 from physim.world.layout.road import drawn_road
-from physim.world.layout.robots import footprints_of, paths_of
+from physim.world.layout.robots import footprints_of, paths_of, shared
 from physim.world.layout.shape_checks import (
     corners_of_line,
     gaps,
@@ -78,7 +79,8 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
     reference = corners_of_line(np.array(centreline if line is None else line))
     boundaries = _boundaries(world, centreline, widths, faults)
     paths = paths_of(world, robots, entries, reference, faults)
-    faults += step_faults(world.time.step, robots, entries, footprints)
+    parts = shared(convex_parts, footprints)
+    faults += step_faults(world.time.step, robots, entries, footprints, parts)
     faults += mover_step_faults(world.time.step, world.movers)
     _raise(faults)
     lines = list(boundaries.values())
@@ -90,7 +92,7 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
         raise WorldError([Fault(where, message)]) from error
     laid = Layout(
         world, robots, entries, centreline, widths, boundaries, obstacles, reference, area,
-        footprints, paths, np.empty((0, 3)), passage, pushed,
+        footprints, parts, paths, np.empty((0, 3)), passage, pushed,
     )  # fmt: skip
     _check_ground(laid, faults)
     faults += way_faults(laid)

@@ -19,13 +19,14 @@ from physim.world.layout.shape_checks import corners_of_line, outline_fault
 from physim.world.robot import outline_of
 from physim.world.scene import path_location
 
+Given = TypeVar("Given")
 Found = TypeVar("Found")
 
 
-def shared(work_out: Callable[[FloatArray], Found], arrays: Sequence[FloatArray]) -> list[Found]:
-    """What is worked out of each array, once for robots that share the very same one."""
-    known = {key: work_out(array) for key, array in {id(one): one for one in arrays}.items()}
-    return [known[id(one)] for one in arrays]
+def shared(work_out: Callable[[Given], Found], given: Sequence[Given]) -> list[Found]:
+    """What is worked out of each thing, once for robots that share the very same one."""
+    known = {key: work_out(one) for key, one in {id(one): one for one in given}.items()}
+    return [known[id(one)] for one in given]
 
 
 def footprints_of(world: World, robots: Sequence[Robot], faults: list[Fault]) -> list[FloatArray]:

@@ -66,7 +66,7 @@ def scene_of(laid: Layout) -> Scene:
         steps=round(world.time.duration / world.time.step),
         bodies=tuple(Body(k, kind, name) for k, (kind, name) in enumerate(names)),
         shapes=pack_parts([
-            *shared(convex_parts, footprints), *(convex_parts(one.outline) for one in laid.moved),
+            *laid.parts, *(convex_parts(one.outline) for one in laid.moved),
         ]),
         walls=walls,
         wall_tree=build_wall_tree(walls),

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from physim.errors import Fault
-from physim.geometry.polygon import circumscribed_radius, convex_parts, smallest_width
+from physim.geometry.polygon import circumscribed_radius, smallest_width
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import TUNNEL_FRACTION
 from physim.units import figure
@@ -19,17 +19,19 @@ from physim.world.layout.robots import shared
 
 
 def step_faults(
-    step: float, robots: Sequence[Robot], entries: Sequence[int], footprints: list[FloatArray]
+    step: float,
+    robots: Sequence[Robot],
+    entries: Sequence[int],
+    footprints: list[FloatArray],
+    parts: list[tuple[FloatArray, ...]],
 ) -> list[Fault]:
     """Refuse (v + r omega) dt beyond a quarter of the smallest width of any convex part.
 
     v is the greatest speed in any direction. One fault at most: of the step, or of the limits of
     the one robot that is too fast for it.
     """
-    radius, width = (
-        np.array(shared(of, footprints))
-        for of in (circumscribed_radius, lambda outline: smallest_width(convex_parts(outline)))
-    )
+    radius = np.array(shared(circumscribed_radius, footprints))
+    width = np.array(shared(smallest_width, parts))
     v, omega, lateral, *_ = drives_of(robots, entries).most.T
     v = np.hypot(v, lateral)
     speed, limit = v + radius * omega, TUNNEL_FRACTION * float(width.min())

@@ -37,8 +37,9 @@ def wall_crossing(centreline: FloatArray, width: FloatArray, end_margin: float) 
     left, right = (walls[side] for side in SIDES)
     line = 0.5 * (left + right)
     station = Polyline(line).station
-    kept = np.unique(station // (SHORT * float(width.min())), return_index=True)[1]
-    kept = np.union1d(kept, [len(line) - 1])
+    is_kept = np.diff(station // (SHORT * float(width.min())), prepend=-1.0) > 0.0
+    is_kept[-1] = True
+    kept = np.flatnonzero(is_kept)
     way = Polyline(line[kept])
     ring = np.vstack([left[kept], right[kept][::-1], left[:1]])
     if shapely.LinearRing(ring).is_simple:

@@ -20,9 +20,12 @@ def _registered(monkeypatch):
         "broken": ("no_such_module_here:Class",),
     }
     found = {
-        registry.CONTROLLER: entries,
-        registry.SENSING: {"haze": (f"{MODULE}:Haze",)},
-        registry.FILTER: {"slow": (f"{MODULE}:Slow",), "broken": ("no_such_module_here:Class",)},
-        registry.DISTURBANCE: {"gains": (f"{MODULE}:Gains",)},
+        registry.CONTROLLER.group: entries,
+        registry.SENSING.group: {"haze": (f"{MODULE}:Haze",)},
+        registry.FILTER.group: {
+            "slow": (f"{MODULE}:Slow",),
+            "broken": ("no_such_module_here:Class",),
+        },
+        registry.DISTURBANCE.group: {"gains": (f"{MODULE}:Gains",)},
     }
-    monkeypatch.setattr(registry, "_entries", lambda kind: found.get(kind, {}))
+    monkeypatch.setattr(registry, "registered", lambda group: found.get(group, {}))

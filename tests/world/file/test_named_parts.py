@@ -128,7 +128,7 @@ def test_nothing_is_imported_for_a_world_that_is_only_to_be_read(monkeypatch) ->
 
 def test_a_name_that_two_packages_register_is_told_not_guessed(monkeypatch) -> None:
     twice = {"slow": ("a_package:Slow", "b_package:Slow")}
-    monkeypatch.setattr(REGISTRY, "_entries", lambda kind: twice)
+    monkeypatch.setattr(REGISTRY, "registered", lambda group: twice)
     with pytest.raises(ControllerError, match=facts("slow", "a_package:Slow", "b_package:Slow")):
         find_part(FILTER, "slow")
     assert "several packages" in part_names(CONTROLLER)["slow"]

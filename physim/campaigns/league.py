@@ -25,10 +25,10 @@ from physim.campaigns.spec import Label, RunSpec, spec_of
 from physim.errors import PhysimError, WorldError, nearest
 from physim.files import write_text
 from physim.json_text import json_text, plain
-from physim.parts.registry import CONTROLLER, make_part, shipped_parts
+from physim.parts.registry import CONTROLLER, make_part
 from physim.world.faults import faults_of
 from physim.world.file import read_document, read_world
-from physim.world.file.files import SUFFIXES, file_text, shipped_folder
+from physim.world.file.files import file_text, shipped_folder
 from physim.world.kinds import MOST_SEED
 from physim.world.layout.scene_builder import may_vary
 
@@ -240,7 +240,7 @@ def cells_of(entrants: Sequence[Entrant], worlds: Iterable[str], seeds: range) -
                 )
             except WorldError as error:
                 why = error.faults[0].message
-                refused.append(Refusal(world=called(given), entrant=one.name, reason=why))
+                refused.append(Refusal(world=given, entrant=one.name, reason=why))
                 continue
             own = own_parts(world)
             if own not in sources:
@@ -248,7 +248,7 @@ def cells_of(entrants: Sequence[Entrant], worlds: Iterable[str], seeds: range) -
             if not may_vary(world):
                 fixed.add(len(cells))
             cell = spec_of(
-                world, seeds[0] if may_vary(world) else world.seed, name=called(given),
+                world, seeds[0] if may_vary(world) else world.seed, name=given,
                 settings=one.values, sources=sources[own] + files_named(world),
             )  # fmt: skip
             if cells.setdefault(cell.key, cell) is not cell:
@@ -257,11 +257,6 @@ def cells_of(entrants: Sequence[Entrant], worlds: Iterable[str], seeds: range) -
         why = f": {refused[0].reason}" if refused else ""
         raise PhysimError(f"nothing to run: no world takes any of the entrants{why}")
     return Cells(Grid(tuple(cells.values()), seeds, frozenset(fixed)), refused)
-
-
-def called(world: str) -> str:
-    """What a world is called in tables: as it is given, without the ending of a file."""
-    return next((world.removesuffix(end) for end in SUFFIXES if world.endswith(end)), world)
 
 
 def joined(before: League | None, now: League, refused: Sequence[Refusal]) -> League:
@@ -281,7 +276,7 @@ def joined(before: League | None, now: League, refused: Sequence[Refusal]) -> Le
     groups: dict[str, list[str]] = {}
     for group in (*(before.groups if before else ()), *now.groups):
         known = [world for worlds in groups.values() for world in worlds]
-        new = [world for world in map(called, group.worlds) if world not in known]
+        new = [world for world in group.worlds if world not in known]
         groups.setdefault(group.name, []).extend(new)
     answered = {(one.world, one.entrant) for one in refused}
     kept = [one for one in (before.refused if before else ())
@@ -298,10 +293,10 @@ def placed(league: League, worlds: Sequence[str]) -> League:
     """The league in these worlds alone, each in its group; all of its own where none is given."""
     if not worlds:
         return league
-    known = {called(world): group.name for group in league.groups for world in group.worlds}
+    known = {world: group.name for group in league.groups for world in group.worlds}
     groups: dict[str, list[str]] = {}
     for world in dict.fromkeys(worlds):
-        groups.setdefault(known.get(called(world), FURTHER), []).append(world)
+        groups.setdefault(known.get(world, FURTHER), []).append(world)
     made = [Group(name=name, worlds=those) for name, those in groups.items()]
     return league.model_copy(update={"groups": made})
 
@@ -317,11 +312,6 @@ def machine() -> str:
     except OSError:
         pass
     return f"{name}, {os.cpu_count()} cores, Python {platform.python_version()}"
-
-
-def is_shipped(controller: str) -> bool:
-    """Whether a controller comes with physim."""
-    return controller in shipped_parts(CONTROLLER)
 
 
 def _flow(value: Any) -> str:

@@ -12,6 +12,7 @@ from tests.mutation.rules import called, found, given, instead, rule
 
 AVOIDANCE = "physim.controllers.avoidance:"
 MODES = "physim.controllers.mode_switching:"
+DECISION = "physim.controllers.decision:"
 SAFE_AREA = "physim.controllers.safe_area:"
 SWITCHING = "physim.controllers.switching:"
 SAFE, DISTANCE, TIME = 0, 1, 2
@@ -52,7 +53,7 @@ def reference_point_decides_at_the_boundary() -> None:
     all_seen = inside("physim.geometry", "all_seen")
 
     instead(
-        MODES + "seen_distance",
+        DECISION + "seen_distance",
         lambda a: point_clearance(a.sight.tree.walls, all_seen(a.sight), a.pose[0], a.pose[1]),
         here=True,
     )
@@ -64,7 +65,7 @@ def reference_point_decides_at_the_boundary() -> None:
 @rule("controllers")
 def held_command_decides_on_danger() -> None:
     """The collision time that decides is that of the command held, not of safe mode's next."""
-    given(MODES + "smallest_time", pair=lambda a: a.bodies.command[a.near.me], here=True)
+    given(DECISION + "smallest_time", pair=lambda a: a.bodies.command[a.near.me], here=True)
 
 
 @rule("controllers")

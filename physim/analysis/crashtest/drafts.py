@@ -1,40 +1,26 @@
-"""Cases drawn by number, and each written as a world: two robots, or one and something else.
+"""Cases drawn by number: two robots, or one and something else.
 
 The same seed and number give the same case, whatever the others. Two robots meet at random, side by
 side, in rows, or graze each other; one meets walls, corners, obstacles, a mover, a box to push. A
 layout is planned from the meeting: the poses at which the two would overlap or touch are chosen
-first, and each is taken back along its arc. All lengths [m], about the origin of the place. The
-world of a case is a small one that ``physim run`` replays, to the bit at the same coordinates; a
-box to push to rounding.
-
-Footprints are random: convex, boxes, nonconvex. They come from a store that depends on the
-seed alone, since cutting an outline into convex parts costs more than the case itself.
+first, and each is taken back along its arc. All lengths [m], about the origin of the place.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import atan, cos, hypot, pi, sin
-from typing import Any, Literal, NamedTuple
+from math import cos, hypot, pi, sin
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 
+from physim.analysis.crashtest.footprints import SORTS, Footprint, Store
 from physim.geometry.bodies import body_distance, body_separation
 from physim.geometry.motion import Twist, arc
-from physim.geometry.polygon import (
-    circumscribed_radius,
-    convex_parts,
-    counter_clockwise,
-    is_simple,
-    signed_area,
-    smallest_width,
-)
-from physim.geometry.shapes import FloatArray, Shapes, pack_parts
+from physim.geometry.shapes import FloatArray, pack_parts
 from physim.randomness import stream
 from physim.tolerances import TUNNEL_FRACTION
-from physim.world import World
-from physim.world.scene import DENSITY
 
 STEPS = 48
 """Steps that a case lasts."""
@@ -46,43 +32,16 @@ TRIES = 50
 """Layouts tried; the last resort is a robot pair far enough apart"""
 SPACING = 60.0
 """[m] between the places of two cases: twice what any of them can reach"""
-HALF_WIDTH = 29.0
-"""[m] from the middle of the place to the boundary that closes it"""
-LEAST = 1e-6
-"""[m/s, rad/s] least limit of a robot that does not use it"""
-STORED = 200
-"""Footprints of each sort."""
-THINNEST = 0.05
-"""[m] least width of a convex part"""
 FASTEST = 3.0
 """[m/s]"""
 TURNING = 4.0
 """[rad/s] fastest turn"""
-WHEELBASE = 0.1
-"""[m] of cars: short, so that they can take every arc"""
 ROOM = 0.96
 """[-] share of the advance that the tunnelling rule allows, left for rounding"""
 
 Place = tuple[float, float]
 Walls = tuple[Sequence[FloatArray], ...]
 """Convex parts or segments of each line and each solid"""
-
-
-class Footprint(NamedTuple):
-    """A robot's shape in its own frame [m]."""
-
-    outline: FloatArray
-    """(n, 2) counter-clockwise"""
-    parts: tuple[FloatArray, ...]
-    """convex, as a world with this outline has them"""
-    radius: float
-    """[m] of the disc about the reference point"""
-    width: float
-    """[m] least width of a part"""
-    mass: float
-    """[kg]"""
-    packed: Shapes
-    """the one body, for kernels"""
 
 
 class Layout(NamedTuple):
@@ -100,75 +59,6 @@ class Layout(NamedTuple):
     """outline (n, 2) [m] of each obstacle and its convex parts, world frame"""
     second: Literal["robot", "mover", "pushed"] = "robot"
     """what the second of two is"""
-
-
-Store = dict[str, tuple[Footprint, ...]]
-"""Footprints to draw from, by sort"""
-
-
-def build_store(seed: int) -> Store:
-    """Footprints of one seed, each simple, not too thin, and cut as a world would have it cut."""
-
-    def usable(name: str, k: int) -> Footprint:
-        rng = stream(seed, f"crash test, {name}", k)
-        while True:
-            if not is_simple(points := SORTS[name](rng)):
-                continue
-            outline = counter_clockwise(points)
-            parts = convex_parts(outline)
-            if (width := smallest_width(parts)) >= THINNEST:
-                radius, mass = circumscribed_radius(outline), DENSITY * abs(signed_area(outline))
-                return Footprint(outline, parts, radius, width, mass, pack_parts([parts]))
-
-    return {name: tuple(usable(name, k) for k in range(STORED)) for name in SORTS}
-
-
-def _box(rng: Generator) -> FloatArray:
-    """Box about its centre; one in four is 1.0 x 0.6 m, with which the engine was seen to err."""
-    length, width = (1.0, 0.6) if rng.random() < 0.25 else rng.uniform(0.2, 2.0, 2)
-    x, y = 0.5 * length, 0.5 * width
-    return np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
-
-
-def _convex(rng: Generator) -> FloatArray:
-    """Corners on a turned ellipse; the reference point may lie off the middle, even outside."""
-    corners = rng.integers(3, 9)
-    angles = np.sort(rng.uniform(-pi, pi, corners))
-    points = np.stack((np.cos(angles), np.sin(angles)), axis=1) * rng.uniform(0.15, 1.0, 2)
-    turn = rng.uniform(-pi, pi)
-    c, s = np.cos(turn), np.sin(turn)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]) + _shift(rng))
-
-
-def _nonconvex(rng: Generator) -> FloatArray:
-    """L, U, T, or a star about the origin."""
-    a, b = rng.uniform(0.3, 1.2, 2)
-    s, t, u = rng.uniform(0.2, 0.8, 3)
-    if (sort := rng.integers(4)) == 3:
-        corners = 2 * int(rng.integers(3, 6))
-        angles = np.arange(corners) * 2.0 * pi / corners + rng.uniform(-0.2, 0.2, corners)
-        radii = np.where(np.arange(corners) % 2, rng.uniform(0.2, 0.5), rng.uniform(0.5, 1.0))
-        points = list(zip(radii * np.cos(angles), radii * np.sin(angles), strict=True))
-    else:
-        low, high = sorted((s, t) if sort == 2 else (0.1 + 0.8 * s, 0.1 + 0.8 * t))
-        left, right, top = low * a, high * a, u * b
-        points = (
-            [(0, 0), (a, 0), (a, s * b), (t * a, s * b), (t * a, b), (0, b)],
-            [(0, 0), (a, 0), (a, b), (right, b), (right, top), (left, top), (left, b), (0, b)],
-            [(left, 0), (right, 0), (right, top), (a, top), (a, b), (0, b), (0, top), (left, top)],
-        )[sort]
-    made = np.array(points, dtype=np.float64)
-    middle = 0.5 * (made.min(axis=0) + made.max(axis=0))
-    return np.asarray(made - middle + _shift(rng))
-
-
-def _shift(rng: Generator) -> FloatArray:
-    return np.asarray(rng.uniform(-0.3, 0.3, 2) if rng.random() < 0.5 else np.zeros(2))
-
-
-SORTS: dict[str, Callable[[Generator], FloatArray]] = {
-    "convex": _convex, "boxes": _box, "nonconvex": _nonconvex,
-}  # fmt: skip
 
 
 class Draft:
@@ -478,61 +368,3 @@ def place_of(index: int) -> Place:
     far, near = ring, offset - ring
     x, y = ((far, near), (-near, far), (-far, -near), (near, -far))[side]
     return SPACING * x, SPACING * y
-
-
-def way_of(layout: Layout, dt: float) -> tuple[FloatArray, FloatArray]:
-    """Waypoints (n, 3) and times (n,) [s] of the mover of a layout: its arc, for a whole case."""
-    (v, omega, lateral), duration = layout.command[1].tolist(), (STEPS + 1) * dt
-    times = np.linspace(0.0, duration, 2 + int(0.5 * abs(omega) * duration))
-    x, y, heading = layout.start[1].tolist()
-    poses = [arc(x, y, heading, v, omega, lateral, time) for time in times.tolist()]
-    return np.array(poses), times
-
-
-def case_world(case: Case, seed: int, reason: str) -> World:
-    """World of a case; ``reason`` goes into its description."""
-    layout = case.layout
-    (x, y), commands = case.origin, layout.command
-    movers, pushed = [], []
-    if layout.second != "robot":
-        commands, other = commands[:1], layout.robots[1]
-        px, py, heading = layout.start[1].tolist()
-        c, s = cos(heading), sin(heading)
-        corners = other.outline @ np.array([[c, s], [-s, c]]) + [px, py]
-        pushed = [{"corners": corners.tolist(), "mass": other.mass}]
-    if layout.second == "mover":
-        poses, times = way_of(layout, case.dt)
-        way = {"waypoints": poses.tolist(), "times": times.tolist()}
-        movers, pushed = [{"name": "mover", "footprint": other.outline.tolist(), **way}], []
-    square = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
-    ring = [(x + i * HALF_WIDTH, y + j * HALF_WIDTH) for i, j in square]
-    robots = []
-    for k, (v, omega, lateral) in enumerate(commands.tolist()):
-        px, py, heading = layout.start[k].tolist()
-        robots.append({
-            "name": f"robot {k + 1}",
-            "footprint": layout.robots[k].outline.tolist(),
-            "pose": [px, py, heading],
-            # a metre straight ahead: every robot needs a path, nobody follows it here
-            "path": [(px, py), (px + cos(heading), py + sin(heading))],
-            "limits": {"v": max(abs(v), LEAST), "omega": max(abs(omega), LEAST)},
-        })  # fmt: skip
-        if lateral:
-            robots[k]["drive"] = {"type": "omni", "lateral": abs(lateral)}
-        elif v and case.number % 2:
-            steering = atan(WHEELBASE * abs(omega / v)) + LEAST
-            robots[k]["drive"] = {"type": "car", "wheelbase": WHEELBASE, "steering": steering}
-    columns = 3 if commands[:, 2].any() else 2
-    values: dict[str, Any] = {
-        "name": f"crash-{seed}-{case.number}",
-        "description": f"Crash test, seed {seed}, case {case.number} ({case.kind}): {reason}",
-        "seed": seed,
-        "time": {"step": case.dt, "duration": round(STEPS * case.dt, 12)},
-        "boundaries": [*(line.tolist() for line in layout.lines), [*ring, ring[0]]],
-        "reference_path": [(x - 5.0, y - HALF_WIDTH + 1.0), (x + 5.0, y - HALF_WIDTH + 1.0)],
-        "robots": robots,
-        "controller": {"type": "constant", "commands": commands[:, :columns].tolist()},
-        "obstacles": [*(outline.tolist() for outline, *_ in layout.solids), *pushed],
-        "movers": movers,
-    }
-    return World(**values)

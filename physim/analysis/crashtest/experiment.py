@@ -13,17 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from physim.analysis.crashtest.drafts import (
-    KINDS,
-    STEPS,
-    TIME_STEPS,
-    Case,
-    build_store,
-    case_world,
-    draw_case,
-    place_of,
-    way_of,
-)
+from physim.analysis.crashtest.case_worlds import case_world, way_of
+from physim.analysis.crashtest.drafts import KINDS, STEPS, TIME_STEPS, Case, draw_case, place_of
+from physim.analysis.crashtest.footprints import build_store
 from physim.analysis.crashtest.prediction import Packed, approach, pack, predict
 from physim.analysis.crashtest.report import (
     NEVER,

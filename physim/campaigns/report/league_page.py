@@ -37,6 +37,8 @@ from physim.units import count, interval, joined, percent, span
 TITLE, GENERATOR = "The league of controllers", "physim league"
 MARKDOWN, PAGE = "LEAGUE.md", "league.html"
 CLAIM = "outperforms some state-of-the-art methods"
+MOST_TOLD = 5
+"""Refusals and errors that the terminal tells"""
 SIGNS = {1: "+", -1: "−", 0: "·"}
 COLOURS = {HOLDS: "met", PARTLY: "partly met", FAILS: "not met", OPEN: "undecided"}
 COST_HEADS = ("deviation, rms [m]", "formation error, rms [m]", "speed changes [m/s²]",
@@ -143,9 +145,7 @@ def content(found: Standings, folder: str, films: Sequence[Film], command: str) 
     for world in found.worlds:
         yield "h3", world
         yield "table", _cell_table(found, world)
-        for one in found.league.refused:
-            if one.world == world:
-                yield "p", f"{one.entrant} cannot drive here: {one.reason}"
+        yield from (("p", line) for line in _troubles(found, world))
         yield "table", _cell_costs(found, world)
     yield "h2", "Who takes part"
     yield "table", [("entrant", "controller", "settings", "told of others", ""), *(
@@ -217,30 +217,32 @@ DEFINITIONS = (
 
 def answer(found: Standings) -> Iterator[tuple[str | Words, ...]]:
     """The verdict, and who is safe, gets through, and at what cost: lines of words."""
-    if not found.verdicts:
-        yield (f"{found.reference}, which all are held against, has no runs here beside others, so "
-               "that there is no verdict.",)  # fmt: skip
+    own = {one.name for one in found.entrants if one.is_own}
+    judged = [one for one in found.verdicts if one.entrant not in own]
+    if not judged:
+        yield (
+            f"No verdict on the paper's claim: {found.reference} has no runs here beside those of "
+            "a method that physim has.",
+        )
     else:
-        by = {word: [v.entrant for v in found.verdicts if v.verdict == word]
+        by = {word: [v.entrant for v in judged if v.verdict == word]
               for word in (HOLDS, PARTLY, FAILS, OPEN)}  # fmt: skip
-        whole = HOLDS if by[HOLDS] else PARTLY if by[PARTLY] else FAILS if by[FAILS] else OPEN
+        whole = next(word for word in by if by[word])
         yield (
             f'The paper says that its controller "{CLAIM}". For {found.reference}, in these '
             "worlds, the claim is ", Words("outcome", COLOURS[whole]), ": ",
             "; ".join(f"it {word} against {joined(names)}" for word, names in by.items() if names),
             ".",
         )  # fmt: skip
+    if found.verdicts:
         yield (
             "It holds against an entrant where it is surely more often without contact, or surely "
             "arrives more often without contact, and is surely worse in neither; in part where it "
             "is better in one and worse in the other. Time is a price beside that.",
         )
-        for one in found.verdicts:
-            yield (
-                Words("strong", f"Against {one.entrant} it {one.verdict}"),
-                ": ",
-                _against(found, one),
-            )
+    for one in found.verdicts:
+        head = Words("strong", f"Against {one.entrant} it {one.verdict}")
+        yield head, ": ", _against(found, one)
     yield from _leaders(found)
 
 
@@ -394,6 +396,19 @@ def _cell_table(found: Standings, world: str) -> list[tuple[str | Words, ...]]:
     return rows
 
 
+def _troubles(found: Standings, world: str) -> Iterator[str]:
+    """Why some entrants cannot drive in a world, and by what errors runs of others ended."""
+    for one in found.league.refused:
+        if one.world == world:
+            yield f"{one.entrant} cannot drive here: {one.reason}"
+    for (where, name), cell in found.rows.items():
+        if where == world:
+            failed = [row for row in found.outcomes.rows[cell.rows] if row.failed]
+            reasons = dict.fromkeys(row.reason or row.ended for row in failed)
+            if failed:
+                yield f"{name}: {plural(len(failed), 'error')}: {next(iter(reasons))}"
+
+
 def _cell_costs(found: Standings, world: str) -> list[tuple[str | Words, ...]]:
     rows: list[tuple[str | Words, ...]] = [(
         "entrant", "runs both solve", "makespan ratio [95 %]", *COST_HEADS, "own makespan [s]",
@@ -477,4 +492,6 @@ def league_text(found: Standings) -> str:
     lines = ["".join(w if isinstance(w, str) else w.text for w in line) for line in answer(found)]
     head, *rows = _outcome_table(found, found.worlds)
     table = Table("", tuple(map(str, head)), [tuple(map(str, row)) for row in rows])
-    return "\n".join([str(table), "", *lines]) + "\n"
+    troubles = [f"{world}: {line}" for world in found.worlds for line in _troubles(found, world)]
+    rest = [f"{len(troubles) - MOST_TOLD} more in {MARKDOWN}"] * (len(troubles) > MOST_TOLD)
+    return "\n".join([str(table), "", *lines, *troubles[:MOST_TOLD], *rest]) + "\n"

@@ -10,6 +10,7 @@ from .drawing.page import page
 from .drawing.video import render
 from .errors import ControllerError, Fault, PhysimError, RecordError, WorldError
 from .judging import judge
+from .learning import env, single_env, vector_env
 from .parts.controller import (
     Controller,
     Decision,
@@ -94,6 +95,7 @@ __all__ = [
     "build_scene",
     "check_controller",
     "check_world",
+    "env",
     "for_each",
     "geometry",
     "judge",
@@ -108,10 +110,12 @@ __all__ = [
     "record_run",
     "render",
     "simulate",
+    "single_env",
     "state_at",
     "summarise",
     "testing",
     "validate",
+    "vector_env",
     "video",
     "with_poses",
 ]

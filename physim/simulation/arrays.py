@@ -119,10 +119,10 @@ class Unchanging(NamedTuple):
 
 def unchanging(scene: Scene) -> Unchanging:
     """What the kernel is handed at every step of a scene."""
+    limits = np.ascontiguousarray(scene.limits[:, :2])
     return Unchanging(
-        scene.shapes, scene.wall_tree, scene.paths, scene.limits, scene.stop_station,
-        scene.sensing_range,
-    )  # fmt: skip
+        scene.shapes, scene.wall_tree, scene.paths, limits, scene.stop_station, scene.sensing_range
+    )
 
 
 def arrays_of(scene: Unchanging, sensed: Sensed, layout: Layout) -> Arrays:
@@ -135,8 +135,9 @@ def arrays_of(scene: Unchanging, sensed: Sensed, layout: Layout) -> Arrays:
         own.reshape(-1), own.shape[1], near.reshape(-1, len(OTHER)), near_mask.reshape(-1), others,
         met.reshape(-1, len(WALL)), met_mask.reshape(-1), walls,
     )  # fmt: skip
+    command = np.ascontiguousarray(sensed.command[:, :2])  # of omnidirectional robots there is more
     fill_arrays(
-        scene, robots, sensed.robot, sensed.pose, sensed.command, sensed.velocity, sensed.first,
+        scene, robots, sensed.robot, sensed.pose, command, sensed.velocity, sensed.first,
         sensed.end, sensed.station, ahead, len(ahead), out,
     )  # fmt: skip
     if dtype != own.dtype:

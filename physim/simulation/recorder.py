@@ -9,9 +9,10 @@ from __future__ import annotations
 import os
 import shutil
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -120,6 +121,7 @@ class Recorder:
         """the latest sample, its poses and steering (1, N), where that is not recorded"""
         self.taken = 0
         """steps taken down"""
+        self.made = time.perf_counter()
         self.latest: FloatArray | None = None
         """(N, columns) latest command of each controller, once others are held: given from outside,
         or from before the record began"""
@@ -155,8 +157,22 @@ class Recorder:
             self._write()
 
     def close(self, ended: str) -> None:
-        """Write what is left; the record itself is closed by who opened it."""
+        """Write what is left; `finish` closes the record itself."""
         self._write(last=True)
+
+    def finish(self, ended: str, clock: Mapping[str, float] = MappingProxyType({})) -> None:
+        """Close the record itself, once nothing more is taken down; ``clock`` are further figures
+        of the wall clock."""
+        elapsed = time.perf_counter() - self.made
+        self.writer.close(
+            ended,
+            steps_run=self.begun + self.taken,
+            rejected=self.rejected,
+            wall_clock={
+                "seconds": elapsed, "factor": self.taken * self.scene.dt / max(elapsed, 1e-9),
+                **clock,
+            },
+        )  # fmt: skip
 
     def _write(self, last: bool = False) -> None:
         """Write the block; the samples last, since they are what makes the record flush.

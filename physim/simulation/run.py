@@ -88,12 +88,46 @@ def record_run(
     record it is a branch. Raises TypeError where ``save`` is something else, and RecordError where
     its record cannot fit on the disk or in memory.
     """
+    others = listed("observers", observers)
+    recorder = recording(simulation, save=save, path=path, overwrite=overwrite, origin=origin)
+    ended, late = "error", None
+    times = simulation.decision_times = []
+    try:
+        for observer in (recorder, *others):
+            simulation.look_on(observer)
+        with folder_kept():
+            ended = _loop(simulation, recorder, save.states, progress, stop)
+            recorder.close(ended)
+            late = _close(simulation, ended)
+    finally:
+        if ended == "error":
+            _close(simulation, ended)  # the error that ended the run is the one to report
+            recorder.close(ended)
+        simulation.observers, simulation.decision_times = [], None
+        clock = {}
+        if times:
+            clock = {"decision_median": np.median(times), "decision_99": np.quantile(times, 0.99)}
+        recorder.finish(ended, clock)
+    record = recorder.writer.record()
+    if late is not None:
+        raise LateError(str(late), record) from late
+    return record
+
+
+def recording(
+    simulation: Simulation,
+    *,
+    save: SaveAt = EVERYTHING,
+    path: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
+    origin: Origin = NO_ORIGIN,
+) -> Recorder:
+    """Recorder of what a simulation does from now on, once it looks on; see `record_run`."""
     begun = simulation.step_number
     if not isinstance(save, SaveAt):
         raise TypeError(f"save: takes physim.SaveAt(every=..., tables=...), not {save!r}")
     if path is not None and os.path.lexists(path) and not overwrite:
         raise RecordError(f"{path}: exists; give another path, or overwrite=True")
-    others = listed("observers", observers)
     scene, every = simulation.scene, save.every or simulation.scene.world.time.record_every
     tables = (*save.tables, SENSED) if save.sensed else tuple(save.tables)
     check_room(scene, every, path)
@@ -111,34 +145,7 @@ def record_run(
     if begun:
         with suppress(PhysimError):
             writer.keep_state(begun, packed(simulation.state))
-    recorder = Recorder(writer, every, tables)
-    times = simulation.decision_times = []
-    started, ended, late = time.perf_counter(), "error", None
-    try:
-        for observer in (recorder, *others):
-            simulation.look_on(observer)
-        with folder_kept():
-            ended = _loop(simulation, recorder, save.states, progress, stop)
-            recorder.close(ended)
-            late = _close(simulation, ended)
-    finally:
-        if ended == "error":
-            _close(simulation, ended)  # the error that ended the run is the one to report
-            recorder.close(ended)
-        simulation.observers, simulation.decision_times = [], None
-        elapsed = time.perf_counter() - started
-        clock = {"seconds": elapsed, "factor": recorder.taken * scene.dt / max(elapsed, 1e-9)}
-        if times:
-            clock |= {"decision_median": np.median(times), "decision_99": np.quantile(times, 0.99)}
-        writer.close(
-            ended,
-            steps_run=begun + recorder.taken,
-            rejected=recorder.rejected,
-            wall_clock=clock,
-        )
-    if late is not None:
-        raise LateError(str(late), writer.record()) from late
-    return writer.record()
+    return Recorder(writer, every, tables)
 
 
 class LateError(ControllerError):

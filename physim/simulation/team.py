@@ -56,12 +56,12 @@ class Team:
         rules: dict[str, Rule] = {}
         columns: dict[str, Column] = {}
         self.members: list[Member] = []
-        self.drives: dict[int, int] = {}
+        self.member_of: dict[int, int] = {}
         """the member that drives each robot"""
         for k, (controller, driver) in enumerate(drivers):
             asked = Asked.of(controller)
             own = asked.declared
-            self.drives |= dict.fromkeys(driver.robots, k)
+            self.member_of |= dict.fromkeys(driver.robots, k)
             for mode in own.modes:
                 if (other := modes.setdefault(mode.name, mode)) != mode:
                     raise _two_senses("mode", mode, other, driver)
@@ -96,7 +96,7 @@ class Team:
     def decide_all(self, view: View, due: IntArray, memory: Memory) -> Decisions:
         """Decide for robots ``due``; what a member answers is checked under its own name."""
         parts = []
-        whose = np.array([self.drives[i] for i in due.tolist()])
+        whose = np.array([self.member_of[i] for i in due.tolist()])
         for k, one in enumerate(self.members):
             mine = due[whose == k]
             if not len(mine):

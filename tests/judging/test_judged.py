@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from shapely import affinity
 
 import physim
 from physim import Kind, Phase, PhysimError, Record
+from tests.cli.commands import physim as command
 from tests.helpers import inside
 from tests.helpers.words import facts
 
@@ -176,6 +178,31 @@ def test_collision_times_are_those_of_the_motion_seen(tmp_path: Path) -> None:
     degrees = [[*row[:4], 90.0] for row in rows]
     turned = physim.judge(written(tmp_path / "turned.csv", degrees), hall(), degrees=True)
     assert turned.pose[0, 0, 2] == math.pi / 2
+
+
+def test_small_headings_that_may_be_degrees_are_doubted(tmp_path: Path, capsys) -> None:
+    def log(heading: float, course: float, speed: float = 0.5) -> Path:
+        c, s = speed * math.cos(course), speed * math.sin(course)
+        rows: list[list[object]] = [
+            [round(0.1 * k, 6), name, 2.0 + 0.1 * k * c, y + 0.1 * k * s, heading]
+            for k in range(41)
+            for name, y in (("alpha", 1.0), ("beta", -1.0))
+        ]
+        return written(tmp_path / "log.csv", rows)
+
+    def doubts() -> list[str]:
+        record = physim.judge(tmp_path / "log.csv", hall())
+        return [note for note in record.judged.notes if "degrees" in note]
+
+    for heading, course, speed in ((0.05, 0.05, 0.5), (1.57, 0.6, 0.5), (3.0, 0.05, 0.01)):
+        log(heading, course, speed)
+        assert not doubts()
+    log(3.0, math.radians(5.0))
+    hall().save(tmp_path / "hall.yaml")
+    assert re.search(facts("beta", "167°", "2°", "--degrees"), doubts()[0])
+    given = ("judge", tmp_path / "log.csv", "--world", tmp_path / "hall.yaml", "--quiet")
+    done = command(*given, "-o", tmp_path / "out", capture=capsys)
+    assert re.fullmatch(r"WARNING  headings may be degrees: .*\n", done.err)
 
 
 def test_movers_and_boxes_are_in_the_log_like_robots(tmp_path: Path) -> None:

@@ -38,14 +38,13 @@ def _what(one: Contact, names: Sequence[str]) -> str:
     touch = " against ".join(bodies if len(bodies) > 1 else [*bodies, names[one.b]])
     motion = f"closing at {one.severity.closing:.2f} m/s, sliding at {one.severity.sliding:.2f} m/s"
     if one.prediction is None:
-        motion = "between two samples, apart at both"
+        motion = "apart at both samples"
     elif one.time == 0.0:
         motion = "in contact from the start"
     if one.also_touching:
         motion += f", already touching {joined([names[i] for i in one.also_touching])}"
-    return (
-        f"At {one.time:.2f} s: {touch}, {motion}, {one.along or f'at {place_text(*one.place, 4)}'}."
-    )
+    when = one.when[0].upper() + one.when[1:]
+    return f"{when}: {touch}, {motion}, {one.along or f'at {place_text(*one.place, 4)}'}."
 
 
 def _how_hard(one: Contact, names: Sequence[str]) -> str:

@@ -23,7 +23,7 @@ from physim.drawing.page.decisions import pack_decisions
 from physim.drawing.page.knots import find_knots
 from physim.drawing.page.packing import Pack
 from physim.drawing.page.why import explanations
-from physim.drawing.scene_model import SceneModel
+from physim.drawing.scene_model import ROLL, SceneModel
 from physim.drawing.timeline import Episodes, Timeline
 from physim.drawing.video.canvas import SHORT_TRAIL, TRAIL
 from physim.drawing.video.ground import ground
@@ -197,7 +197,12 @@ def place(scene: SceneModel) -> dict[str, Any]:
         for k, way in enumerate(scene.ways)
     ]
     number = {shape: k for k, shape in enumerate(shapes)}
+    wheels = {
+        car: {"at": _points(at), "half": round(ROLL * float(scene.wheelbase[car]), DECIMALS)}
+        for car, at in scene.wheels.items()
+    }
     return {
+        **({"wheels": wheels} if wheels else {}),
         "areas": [
             {"name": item.what, "key": item.key, "rings": [_points(ring) for ring in item.lines]}
             for item in drawn

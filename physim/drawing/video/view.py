@@ -38,6 +38,7 @@ from physim.drawing.video.canvas import (
     draw_robots,
     draw_targets,
     draw_trails,
+    draw_wheels,
 )
 from physim.drawing.video.ground import Background, Ground, Whole, notes, write_corner
 from physim.drawing.video.names import Labels
@@ -212,7 +213,8 @@ class View:
             shorten(name, NAME, 110, BOLD) + mark
             for name, mark in zip(timeline.record.names, timeline.marks, strict=True)
         ]
-        self._names += [shorten(name, NAME, 110, BOLD) for name in scene.mover_names]
+        if len(scene.moved) <= NAMED:
+            self._names += [shorten(name, NAME, 110, BOLD) for name in scene.moved_names]
         self._crowd = timeline.robots > NAMED
         self._trail = SHORT_TRAIL if self._crowd else TRAIL
         steps = SHORT_STEPS if self._crowd else TRAIL_STEPS
@@ -254,6 +256,8 @@ class View:
             draw_ghosts(view, other._fleet, lens, other.timeline.at(now.time).moving_pose)
         draw_moved(view, self._fleet, lens, now.moving_pose, self._faces, touching)
         draw_robots(view, self._fleet, lens, now.pose, now.colours, touching, seen)
+        if not self._crowd:
+            draw_wheels(view, lens, timeline.scene.wheels_at(now.pose, now.steering), now.colours)
         origins = lens.pixels(now.pose[seen[self._eccentric[seen]], :2])
         view.discs(origins, 3.5, palette.WHITE)  # where the lines to the targets start
         view.discs(origins, 2.2, palette.INK)

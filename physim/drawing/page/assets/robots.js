@@ -78,6 +78,23 @@ export class Fleet {
     context.fill(marks);
   }
 
+  /** Draws the front wheels of cars as they are turned at a time. */
+  drawWheels(context, pose, lens, seen, time, colourOf) {
+    for (const robot of seen) {
+      const wheels = this.run.header.scene.wheels?.[robot];
+      if (!wheels) continue;
+      const turned = this.run.steering(robot, time);
+      const [x, y] = [Math.cos(turned) * wheels.half, Math.sin(turned) * wheels.half];
+      const path = new Path2D();
+      for (const [ax, ay] of wheels.at) {
+        trace(path, Fleet.placed([ax - x, ay - y, ax + x, ay + y], pose, 3 * robot, lens));
+      }
+      context.strokeStyle = darker(colourOf(robot));
+      context.lineWidth = 2.5;
+      context.stroke(path);
+    }
+  }
+
   /** Outlines in one colour, of robots that touch something or were chosen. */
   ring(context, pose, lens, robots, colour, width) {
     const path = new Path2D();

@@ -77,6 +77,7 @@ export class View {
     this.fleet.draw(context, pose, lens, moved, (body) => this.modeColour(body, at, colours));
     this.fleet.ring(context, pose, lens, moved, colours.wall, 2);
     this.fleet.draw(context, pose, lens, seen, (robot) => this.modeColour(robot, at, colours));
+    this.fleet.drawWheels(context, pose, lens, seen, at, (robot) => this.modeColour(robot, at, colours));
     this.drawReferencePoints(context, pose, lens, seen, colours);
     const shown = this.contacts.shown(at, Math.max(CONTACT_LASTS, 0.5 * speed));
     const touching = new Set(
@@ -98,8 +99,7 @@ export class View {
     }
     drawContacts(context, shown, lens, colours, speed, run.header.crowd);
     if (layers.names) {
-      const movers = moved.filter((body) => run.kind(body) === "mover");
-      const named = few ? [...seen, ...movers] : [...new Set([pair?.a, pair?.b, ...among.slice(0, 12), chosen])];
+      const named = few ? (moved.length <= FEW ? there : seen) : [...new Set([pair?.a, pair?.b, ...among.slice(0, 12), chosen])];
       for (const robot of named) {
         if (inView.has(robot)) labels.push(this.nameOf(robot, pose, lens, robot === chosen));
       }

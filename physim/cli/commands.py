@@ -68,8 +68,9 @@ INSTEAD = {
     ("new", "--from"): "--like WORLD --seed N",
     ("validate", "--seeds"): "physim sweep WORLD --seeds A:B --validate",
     ("compare", "--seeds"): "physim sweep, then physim compare DIR --by WHAT",
+    ("branch", "--page"): "none: it always writes both.html",
 }
-"""Options that there were, and what does the same"""
+"""Options that there were or that are looked for, and what does the same"""
 
 
 def run_command(arguments: Sequence[str]) -> int:

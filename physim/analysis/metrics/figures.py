@@ -78,19 +78,25 @@ class Figures:
     @cached_property
     def nearest(self) -> Moment | None:
         """The shortest distance [m] of two robots, (11); negative = depth."""
-        return self._shortest("clearance", "clearance")
+        moved = [one for one in self.grazes if one.b < self.record.moving]
+        return self._shortest("clearance", "clearance", moved)
 
     @cached_property
     def nearest_wall(self) -> Moment | None:
         """The shortest distance [m] of a robot to a boundary or obstacle; negative = depth."""
-        return self._shortest("boundary_clearance", "boundary")
+        walls = [one for one in self.grazes if one.b >= self.record.moving]
+        return self._shortest("boundary_clearance", "boundary", walls)
 
-    def _shortest(self, value: str, which: str) -> Moment | None:
+    def _shortest(self, value: str, which: str, grazed: list[Graze]) -> Moment | None:
+        """The shortest at a sample, or that of the deepest contact between two."""
         rows = self.record.extremes
         if not (rows[f"{which}_step"] >= 0).any():
             return None
         who = int(np.argmin(rows[value]))
         row = rows[who]
+        if grazed and -(deepest := max(grazed, key=lambda one: one.depth)).depth < row[value]:
+            less, a, b = 0.0 - deepest.depth, deepest.a, deepest.b
+            return Moment(less, deepest.step, deepest.time, a, b)
         return Moment.at(self.record, row[value], row[f"{which}_step"], who, row[f"{which}_other"])
 
     @cached_property

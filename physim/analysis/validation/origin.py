@@ -66,11 +66,6 @@ def world_inside(record: Record) -> Inside:
     Raises RecordError, one line, where there is no text or it cannot be read or built: every run
     writes it, and without it neither scene nor decisions could be judged.
     """
-    if not record.world_text.strip():
-        raise RecordError(
-            f"{record.where}: holds no text of its world, against which its scene and decisions "
-            "are held; make the record again"
-        )
     controller, why_not = None, ""
     try:
         scene = record.scene

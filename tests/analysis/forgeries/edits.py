@@ -370,7 +370,7 @@ REFUSED = [
                           for name in ("step", "pose", "clearance", "boundary_clearance")],
             ("step 50 has no sample",), (), 2),
     Forgery("the world taken out", "free", attribute("world", ""),
-            ("holds no text of its world",), (), 2),
+            ("the world inside cannot be read: ", "the file is empty"), (), 2),
     Forgery("poses that are none", "free", cells("/steps/pose", (5, 0, 0), np.nan),
             ("/steps/pose, row 5: value [0, 0] is nan; allowed: ",), (), 2),
     Forgery("steps that are more than there are", "free", attribute("steps_run", np.int64(2000)),

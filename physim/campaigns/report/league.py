@@ -216,7 +216,8 @@ def _costs(
     """Columns of `COSTS`; messages a robot and second, nan where the controller does not say."""
     found = {name: outcomes.column(name) for name in COSTS}
     with np.errstate(invalid="ignore", divide="ignore"):
-        found["messages"] /= outcomes.column("robots") * outcomes.column("seconds")
+        each = outcomes.column("robots") * outcomes.column("seconds")
+        found["messages"] = found["messages"] / each
     alone = np.isnan(found["formation_error_rms"])
     when = {one.name: one.told for one in league.entrants}
     for (_, name), cell in rows.items():

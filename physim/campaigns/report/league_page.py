@@ -134,7 +134,8 @@ def content(found: Standings, folder: str, films: Sequence[Film], command: str) 
     yield "h2", "What it costs"
     yield (
         "p", f"Over the runs that the entrant and {found.reference} both solve; in parentheses the "
-        f"value of {found.reference} over the same runs. Means over worlds, which weigh alike.",
+        f"value of {found.reference} over the same runs. Means over worlds with at least "
+        f"{FEWEST_SOLVED} such runs, which weigh alike.",
     )  # fmt: skip
     yield "table", cost_table(found, found.worlds)
     if films:
@@ -213,8 +214,8 @@ DEFINITIONS = (
      "all pairs at once with about 95 %: seeds are drawn anew within each world, 2000 times, the "
      "same for all entrants"),
     ("makespan", "time until the last robot stood at its stop station; ratios are to the "
-     f"reference, over seeds that both solve; in the ranking of worlds with {FEWEST_SOLVED} such "
-     "seeds or more"),
+     f"reference, over seeds that both solve; means over worlds (of logarithms) are of those with "
+     f"{FEWEST_SOLVED} such seeds or more"),
     ("deviation", "root mean square of the distance from the own path until arrival"),
     ("formation error", "root mean square of (10) of the paper, in worlds with a formation"),
     ("speed changes, rotation changes", "sum of |Δv| and of |Δω| of the commands of a robot, per "

@@ -274,6 +274,8 @@ class Episodes:
 
     began: FloatArray
     """(C,) [s]"""
+    moment: FloatArray
+    """(C,) [s] the same; of a swept contact when the two are closest"""
     ended: FloatArray
     """(C,) [s] first sample apart; after the record's end for a contact that lasts to the end"""
     apart: FloatArray
@@ -361,6 +363,7 @@ def episodes(record: Record) -> Episodes:
     apart[order[1:]] = np.where(again, began[order[1:]] - ended[order[:-1]], np.inf)
     return Episodes(
         began=began,
+        moment=np.array([one.time for one in found], dtype=np.float64),
         ended=ended,
         apart=apart,
         bodies=np.column_stack((a, b)),

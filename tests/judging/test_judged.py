@@ -20,7 +20,7 @@ from tests.helpers.words import facts
 
 SceneModel = inside("physim.drawing.scene_model", "SceneModel")
 Figures = inside("physim.analysis.metrics", "Figures")
-warning_lines = inside("physim.analysis.validation", "warning_lines")
+report, warning_lines = inside("physim.analysis.validation", "report", "warning_lines")
 
 WORLD = """\
 name: hall
@@ -262,6 +262,25 @@ def test_nothing_is_said_that_poses_do_not_tell(touching: Record, tmp_path: Path
     assert any("NOT CHECKED" in line for line in warning_lines(found))
     physim.page(touching).write(tmp_path / "page.html")
     assert "log log.csv" in (tmp_path / "page.html").read_text()
+
+
+def test_a_graze_counts_in_distances_and_is_shown_at_its_moment(tmp_path: Path) -> None:
+    """Corners pass each other half way between the samples at 3 and 4 s, 2 cm too near."""
+    rows: list[list[object]] = []
+    for k in range(8):
+        rows.append([k, "alpha", 5.0 + 0.4 * k, 0.5556, math.pi / 4])
+        rows.append([k, "beta", 7.5172 - 0.4 * k, -0.5557, math.pi / 4])
+    world = hall("expect: {min_distance: 0.05}\n")
+    record = physim.judge(written(tmp_path / "log.csv", rows), world, jumps=True)
+    (graze,) = Figures(record).grazes
+    assert graze.time == pytest.approx(3.5, abs=0.01)
+    nearest = physim.metrics.measure(record)["shortest_distance"]
+    assert (nearest.value, nearest.time) == (-graze.depth, graze.time)
+    assert nearest.value == pytest.approx(-0.02 * math.sqrt(0.5), abs=1e-3)
+    found = physim.validate(record)
+    assert [one.key for one in found.missed] == ["min_distance"]
+    assert f"deep, at {graze.time:.2f} s" in " ".join(report(found).split())
+    assert f"#t={graze.time:.3f}" in physim.page(record).html
 
 
 def test_no_run_goes_on_from_a_log(touching: Record, tmp_path: Path) -> None:

@@ -32,9 +32,9 @@ class Contact:
     a: int
     b: int
     time: float
-    """[s] of the first sample in contact; between samples, of the one after it"""
+    """[s] of the first sample in contact; between samples, when the two are closest"""
     within: float = 0.0
-    """[s] of one between samples the step that ends then; 0 of one at samples"""
+    """[s] length of the step in which one between samples lies; 0 of one at samples"""
     place: tuple[float, float]
     """[m] world frame, at that sample; between samples, where the two are closest"""
     station: float
@@ -71,7 +71,10 @@ class Contact:
     @property
     def when(self) -> str:
         """``at 4.50 s``, or ``between 4.00 and 4.50 s``."""
-        return between(self.time, self.within) if self.within else f"at {self.time:.2f} s"
+        if not self.within:
+            return f"at {self.time:.2f} s"
+        step = math.ceil(self.time / self.within - 1e-9)
+        return between(step * self.within, self.within)
 
     @property
     def hardness(self) -> tuple[float, float, float]:

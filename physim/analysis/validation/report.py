@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator
 from math import isfinite
+from pathlib import Path
 from statistics import median
 
 from physim.analysis.validation.comparison import Confusion
@@ -24,6 +26,8 @@ MOST_PAIRS = 5
 """Pairs that have a line unless all is told"""
 MOST_TOLD, MOST_TOLD_IN_FULL = 3, 100
 """Contacts that are told in sentences"""
+BEFORE = 2.0
+"""[s] before the first contact from which a branch is proposed"""
 MOST_NAMED = 6
 """Boundaries and obstacles that are named"""
 ENDS = {
@@ -127,6 +131,8 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
             "Where the robot stood, the mover ran into it."
         )
         lines += wrapped(said, "  ", "    ")
+    if command := _branch(validation, first.time):
+        lines.append(f"  Go on from before the first, with a change: {command}")
     if validation.undisturbed is not None:
         for text in validation.undisturbed.sentences(names, full):
             lines += wrapped(text, "  ", "    ")
@@ -139,6 +145,16 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
             f"  and {left} more ({'--json FILE has all' if full else '--full prints them'})"
         )
     return lines
+
+
+def _branch(validation: Validation, time: float) -> str:
+    """The command that goes on from before a moment [s] of a run in a file; else empty."""
+    run = validation.run
+    if run.setup.judged is not None or Path(run.source).suffix not in (".h5", ".hdf5"):
+        return ""
+    at = max(run.begun, round((time - BEFORE) / run.dt) * run.dt)
+    own = f" --original {run.controller}" if ":" in run.controller else ""
+    return f"physim branch {shlex.quote(run.source)} --at {at:.10g}{own}"
 
 
 def _nearest(one: NearMiss, names: list[str]) -> str:

@@ -49,7 +49,7 @@ def _what(one: Contact, names: Sequence[str]) -> str:
 
 def _how_hard(one: Contact, names: Sequence[str]) -> str:
     if one.prediction is None:
-        return f"It is {length(one.depth)} deep."
+        return f"It is {length(one.depth)} deep, at {one.time:.2f} s."
     lasts = f"It lasts {one.duration:.2f} s"
     if one.lasting:
         lasts = f"It lasts to the end of the run, {one.duration:.2f} s"

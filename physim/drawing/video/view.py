@@ -55,6 +55,8 @@ ALL = 30.0
 """[px] a world in which every robot is drawn at least this long is shown whole"""
 LONG, SHORT, LARGE = 35.0, 18.0, 84.0
 """[px] length of the smallest robot: wanted at least, never below, never above"""
+BEYOND = 0.5
+"""Share of half the view that stays within a world that is larger than the view"""
 TRAIL_BANDS = 50
 """Steps in which trails fade, over all robots."""
 TRAIL_STEPS, SHORT_STEPS = 21, 6
@@ -105,7 +107,8 @@ class Camera:
         centre = (first + last) / 2.0
         lost = (spread * self.scale > room + 1e-9).any(axis=1)
         centre[lost] = np.median(places[lost], axis=1)
-        half, middle = room / 2.0 / self.scale, (low + high) / 2.0  # not beyond the world
+        half, middle = room / 2.0 / self.scale, (low + high) / 2.0
+        half = np.where(high - low > 2.0 * half, BEYOND * half, half)
         centre = np.clip(centre, np.minimum(low + half, middle), np.maximum(high - half, middle))
         sigma = max(1.0, 0.8 * speed) / period  # the same forward and back
         smooth = gaussian_filter1d(centre, sigma, axis=0, mode="nearest", truncate=3.0)

@@ -7,7 +7,7 @@ import { fitted } from "./dom.js";
 import { Ground } from "./ground.js";
 import { drawClosest, drawContacts, drawScale, drawSight, drawTargets } from "./marks.js";
 import { writeLabels } from "./names.js";
-import { Fleet, nowAt, drawTrails } from "./robots.js";
+import { Fleet, closestPoints, drawTrails, isFar, nowAt, overlap } from "./robots.js";
 import { roundBelow } from "./words.js";
 
 const CONTACT_LASTS = 1; // [s] least simulated time that the mark of a contact stays
@@ -30,14 +30,23 @@ export class View {
     this.drawn = null; // what was drawn last: time, poses and lens
   }
 
-  /** The closest two robots at a time, as they were recorded; null without. */
+  /** The closest two robots at a time, as they were recorded, or far from a sample as they are drawn;
+   * two that touch between two samples come first. Null without. */
   closest(time) {
     const { run } = this;
     if (!run.header.curves.pair) return null;
     this.pairs ??= ["now_pair", "now_a", "now_b"].map((name) => run.array(name));
     const now = nowAt(run, time);
     const [distance, a, b] = this.pairs.map((values) => values[now]);
-    return { a, b, distance };
+    const isGraze = ({ k, touches, swept }) => touches && swept && this.contacts.b[k] < run.moving;
+    const graze = this.contacts.shown(time).find(isGraze);
+    if (!graze && !isFar(run, now, time)) return { a, b, distance };
+    const two = graze ? this.contacts.bodies(graze.k) : [a, b];
+    const isThere = graze && Math.abs(time - this.contacts.time(graze.k)) <= 0.1 * run.dt;
+    const pose = run.poses(time);
+    const [from, to] = closestPoints(this.fleet, pose, ...two);
+    const touch = isThere || overlap(this.fleet, pose, ...two);
+    return { a: two[0], b: two[1], distance: touch ? 0 : Math.hypot(to[0] - from[0], to[1] - from[1]) };
   }
 
   modeColour(robot, time, colours) {

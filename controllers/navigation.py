@@ -92,7 +92,7 @@ class Team(NamedTuple):
     stop: Rows2
     """(N, 2) [m] places of the stop stations"""
     beside: FloatArray
-    """(N,) [m] half the width: a robot farther from its stop has not arrived"""
+    """(N,) [m] a quarter of the width: beyond that it goes back to its stop"""
     limits: Rows2
     """(N, 2) largest v [m/s] and omega [rad/s]"""
     speed_rule: SpeedRule
@@ -345,7 +345,7 @@ class Navigating:
         end = shapes.part_start[shapes.body_start[scene.robots]]
         y = shapes.vertices[:end, 1]
         width = np.maximum.reduceat(y, corner) - np.minimum.reduceat(y, corner)
-        stops = [point_at(scene.paths, i, l)[:2] for i, l in enumerate(scene.stop_station.tolist())]
+        stops = [point_at(scene.paths, i, at)[:2] for i, at in enumerate(scene.stop_station)]
         return Team(
             shapes=scene.shapes,
             walls=scene.wall_tree,
@@ -353,7 +353,7 @@ class Navigating:
             paths=scene.paths,
             stop_station=scene.stop_station,
             stop=np.array(stops),
-            beside=0.5 * width,
+            beside=0.25 * width,
             limits=np.ascontiguousarray(scene.limits[:, :2]),
             speed_rule=SpeedRule.of(plan, settings.speed),
             lead=plan.lead,

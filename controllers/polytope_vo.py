@@ -16,13 +16,13 @@ distributed multi-robot systems (RA-L 8, 2023), with the values and steps of its
 
 With ``shape: circle`` the cones are those of the discs, too.
 
-Departures: the source looks at what has its mean of vertices within the range, here the nearest
-point counts; walls are cut off there, so that the half-plane of one leads away from its nearest
-part; nonconvex footprints have a cone for each pair of convex parts; discs of robots lie about
-their reference points; the window has both its ends; commands are not rounded to two digits;
-cones may end at a ``horizon``. Where discs overlap already t is 0 for all candidates: the slowest
-is taken, in the source the one of the least x and y. The velocity is projected on the heading, and
-turned to: neither turning nor the error of the heading is in the cones.
+Departures: what counts for the range is the nearest point of a body (``range_of: mean`` is the
+source's), and a wall is cut off there; nonconvex footprints have a cone for each pair of convex
+parts; discs of robots lie about their reference points; near its stop a robot is slower; commands
+are not rounded to two digits; cones may end at a ``horizon``. As in the source, where discs overlap
+already t is 0 for all candidates, and the first is taken, the one of the least x and y. The
+velocity is projected on the heading and turned to: neither turning nor the error of the heading is
+in the cones.
 """
 
 from __future__ import annotations
@@ -233,7 +233,7 @@ def put_cones_of(cones: Cones, o: Obstacle, other: Part) -> None:
 
 @compiled
 def put_disc(cones: Cones, o: Obstacle) -> bool:
-    """Add two discs, and their cone where discs are avoided: are cones of polygons still to come?"""
+    """Add two discs, and their cone where discs are avoided: are polygons to be looked at?"""
     row, size = cones.disc[cones.size[1]], cones.radius + o.radius
     dx, dy = o.x - cones.x, o.y - cones.y
     far = hypot(dx, dy)
@@ -344,14 +344,14 @@ def choose(cones: Cones, px: float, py: float, most: float) -> tuple[int, float,
                 best, found_x, found_y = off, x, y
     if best < np.inf:
         return (0 if best == nearest else 1), found_x, found_y
-    slowest = np.inf
+    found_x, found_y = low_x, low_y
     for i in range(many_x):
         for j in range(many_y):
             x, y = low_x + grid * i, low_y + grid * j
-            time, off = disc_time(cones, x, y), hypot(x - px, y - py)
-            cost = cones.by.penalty / time + off if time > 0.0 else np.inf  # (6.)
-            if cost < best or (cost == best == np.inf and slowest == np.inf):
-                best, slowest, found_x, found_y = cost, hypot(x, y), x, y
+            time = disc_time(cones, x, y)
+            if time > 0.0 and cones.by.penalty / time + hypot(x - px, y - py) < best:  # (6.)
+                best = cones.by.penalty / time + hypot(x - px, y - py)
+                found_x, found_y = x, y
     return 2, found_x, found_y
 
 

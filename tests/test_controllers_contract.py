@@ -87,7 +87,7 @@ def same(a: Decisions, b: Decisions) -> bool:
 
 @every_world
 def test_an_observation_holds_what_is_in_range_and_nothing_else(world_name: str) -> None:
-    simulation = Simulation(build_scene(load_world(find_world(world_name))))
+    simulation = Simulation(build_scene(shipped(world_name, "sensing.stages=[]")))
     scene = simulation.scene
     walls = wall_geometry(scene.walls)
     plan = scene.formation
@@ -95,12 +95,17 @@ def test_an_observation_holds_what_is_in_range_and_nothing_else(world_name: str)
     for _ in run(simulation, scene.dt if world_name in LARGE else 1.0):
         for i in looked_at(scene):
             seen = simulation.observe(i)
-            gap = np.hypot(*(simulation.pose[:, :2] - simulation.pose[i, :2]).T)
-            near = [j for j in range(scene.robots) if j != i and gap[j] <= scene.sensing_range]
+            place = simulation.now.moving_pose
+            gap = np.hypot(*(place[:, :2] - place[i, :2]).T)
+            near = [j for j in range(scene.moving) if j != i and gap[j] <= scene.sensing_range]
             assert [other.index for other in seen.others] == near
             for other in seen.others:
-                assert np.array_equal(other.pose, simulation.pose[other.index])
-                assert (other.v, other.omega) == tuple(simulation.command[other.index])
+                assert np.array_equal(other.pose, place[other.index])
+                held = (other.v, other.omega, other.lateral)[: scene.columns]
+                told = other.index < scene.robots
+                assert held == (
+                    tuple(simulation.command[other.index]) if told else (0.0,) * len(held)
+                )
                 assert other.time == seen.time == simulation.time
             here = shapely.Point(simulation.pose[i, :2])
             distance = shapely.distance(walls, here)
@@ -111,7 +116,7 @@ def test_an_observation_holds_what_is_in_range_and_nothing_else(world_name: str)
                 for wall, p in zip(seen.walls, parts, strict=True):
                     assert wall.index == p
                     assert np.array_equal(wall.points, part_of(scene.walls, p))
-            hidden += len(walls) - len(parts) + scene.robots - 1 - len(near)
+            hidden += len(walls) - len(parts) + scene.moving - 1 - len(near)
             stations = simulation.now.reference_station
             mates = {n.index for n in seen.neighbours}
             assert mates == (neighbours(scene, stations, i) if plan.active else set())

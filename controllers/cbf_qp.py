@@ -39,7 +39,7 @@ from physim.geometry.shapes import FloatArray, IntArray, Part, Rows2, Rows3, Row
 from physim.geometry.walls import parts_seen
 from physim.parts.declarations import Column, Rule
 
-from .half_planes import nearest_in, put_box
+from .half_planes import nearest_in, nearest_permitted, put_box
 from .navigation import (
     PREFERRED,
     STOP,
@@ -249,7 +249,8 @@ def put_filtered(
         asked.preferred[k, 0], asked.preferred[k, 1], pose[2], v_max, omega_max, turn_time
     )
     x, y = x / v_max, y / omega_max
-    found = nearest_in(lines, count, hard, disc, x, y)
+    kept, _, _ = nearest_permitted(lines, hard, disc, x, y, False)
+    found = nearest_in(lines, count, hard if kept == hard else BOX, disc, x, y)
     out.rule[k] = 2 if found.violation > 0.0 else 1
     if found.x == x and found.y == y:
         out.rule[k] = 0

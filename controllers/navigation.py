@@ -248,6 +248,7 @@ class Navigating:
     columns: tuple[Column, ...] = STANDARD_COLUMNS[:2]
     """target first"""
     drives = ("unicycle",)
+    told = "always"  # robots tell their commands, which are their velocities here
 
     def __init__(self, settings: NavigationSettings | None = None) -> None:
         self.settings = settings or self.Settings()

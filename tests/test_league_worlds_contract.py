@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 import yaml
@@ -44,6 +46,15 @@ def test_the_programme_names_every_world_and_registered_controllers() -> None:
     assert len(names) == len(set(names))
     assert {programme["null"], programme["reference"]} <= set(names)
     assert {one["controller"] for one in programme["entrants"]} <= set(part_names(CONTROLLER))
+
+
+def test_tuned_entrants_have_the_settings_that_tuning_found() -> None:
+    folder = shipped_folder() / "league"
+    entrants = yaml.safe_load((folder / "league.yaml").read_text("utf-8"))["entrants"]
+    tuned = json.loads((folder / "tuned.json").read_text("utf-8"))
+    settings = {name: one["settings"] for name, one in tuned.items()}
+    told = [one for one in entrants if one["name"].endswith(" tuned")]
+    assert {one["controller"]: one["settings"] for one in told} == settings
 
 
 def test_a_name_that_no_world_has_is_refused_with_the_nearest() -> None:

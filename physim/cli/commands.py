@@ -56,6 +56,7 @@ GROUPS = {
         "compare": ("compare:compare", "compare A with B on the same seeds: which is better?"),
         "bear": ("bear:bear", "find how much noise, delay or loss a world can bear"),
         "falsify": ("falsify:falsify", "search for the worst case and reduce it"),
+        "league": ("league:league", "let controllers compete in the same worlds; rank them"),
         "reproduce": ("reproduce:reproduce", "repeat the paper's experiments; compare the results"),
     },
 }  # fmt: skip

@@ -310,6 +310,9 @@ DEFINITIONS = MappingProxyType({one.name: one for one in (
     Definition("stop_distance", "m", "largest distance of a robot from its stop station at "
                "the end, if all have arrived", "-",
                lambda run: progress.stop_distance(run.record)),
+    Definition("standstill", "s", "time before the end over which no robot that had not arrived "
+               "advanced 0.1 m along its path; 0 if all arrived", "-",
+               lambda run: progress.standstill(run.record)),
     Definition("contacts", "-",
                "contact episodes: maximal runs of samples at which two bodies touch", "-",
                _contacts),
@@ -380,6 +383,12 @@ DEFINITIONS = MappingProxyType({one.name: one for one in (
     Definition("averaged_rotation_max", "rad/s", "largest rotational speed averaged over 10 s in "
                "which the robot is active: fastest turn to the left", "Figs. 1c, 7b",
                lambda run: _averaged(run, run.averaged.rotational, largest=True)),
+    Definition("speed_changes", "m/s^2", "sum of the changes of the commanded forward speed, by "
+               "size, per second of active time of a mean robot", "-",
+               lambda run: motion.command_changes(run.record, 0)),
+    Definition("rotation_changes", "rad/s^2", "sum of the changes of the commanded rotational "
+               "speed, by size, per second of active time of a mean robot", "-",
+               lambda run: motion.command_changes(run.record, 1)),
     Definition("width_min", "m", "least corridor width along the first robot's path, every "
                "0.1 m: shortest distance to the left boundary plus that to the right one",
                "Fig. 4", lambda run: _width(run, largest=False)),

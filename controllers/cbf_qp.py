@@ -7,10 +7,12 @@ b of something else, n the unit vector from b to a, and h = d - margin, the barr
 
     h' = n . e v + n . J (a - x) omega - n . u_b >= -kappa h,                                 (1)
 
-a line in the plane of v and omega. Every vertex of either convex part and the point of the other
-that is nearest to it make one: the gap of the parts is the least of theirs, and each is smooth. Of
-a pair of robots each takes half, n . e v + n . J (a - x) omega >= -kappa h / 2, and both together
-keep (1), whatever the other does with its half. What gives no way is avoided whole, u_b seen.
+a line in the plane of v and omega. The gap of two convex parts is the least of the gaps between a
+vertex of either and the point of the other that is nearest to it, each of which is smooth. Each
+makes a line: one whose gap is larger by g than the least may also fall by g within the period, so
+that after it h is (1 - kappa T) times what it was, or more. Of a pair of robots each takes half,
+n . e v + n . J (a - x) omega >= -kappa h / 2, and both together keep (1), whatever the other does
+with its half. What gives no way is avoided whole, u_b seen.
 
 The command minimises the squares of its changes, each as a share of the limit, in all half-planes
 and the box of the limits, exactly (`half_planes`). To stand is permitted as long as every h >= 0
@@ -107,8 +109,11 @@ class Approached(NamedTuple):
     """[m/s] velocity of its reference point"""
     omega: float
     """[rad/s]"""
+    share: float
     rate: float
-    """[1/s] kappa, or half of it"""
+    """[1/s] kappa"""
+    period: float
+    """[s] T"""
     margin: float
     v_max: float
     omega_max: float
@@ -116,15 +121,18 @@ class Approached(NamedTuple):
 
 @compiled
 def put_barrier(
-    other: Approached, d: float, nx: float, ny: float, ax: float, ay: float, lines: Rows4, k: int
-) -> int:
+    other: Approached, gap: float, ax: float, ay: float, d: float, nx: float, ny: float,
+    lines: Rows4, k: int,
+) -> int:  # fmt: skip
     """Write (1) behind k half-planes, unless all commands keep it; return how many there are.
 
-    The points are d [m] apart, a is the robot's own, n leads to it: all in its frame.
+    The least gap of the parts is ``gap`` [m]. The points are d [m] apart, a is the robot's own, n
+    leads to it, all in its frame.
     """
+    fall = other.rate * (gap - other.margin) + (d - gap) / other.period
     bx, by = ax - d * nx - other.frame.tx, ay - d * ny - other.frame.ty
     closing = nx * (other.ux - other.omega * by) + ny * (other.uy + other.omega * bx)  # n . u_b
-    least = closing - other.rate * (d - other.margin)
+    least = closing - other.share * fall
     gv, gw = nx * other.v_max, (ax * ny - ay * nx) * other.omega_max
     size = hypot(gv, gw)
     if size <= TINY or abs(gv) + abs(gw) <= -least:
@@ -158,9 +166,10 @@ def put_barriers(other: Approached, P: Part, Q: Part, lines: Rows4, k: int) -> t
     Returns how many half-planes there are then, and the gap [m] of the parts.
     """
     one, many = part_witness(P, Q, other.frame), Q.end - Q.first
-    if one.distance <= TOUCHING:
-        k = put_barrier(other, one.distance, -one.nx, -one.ny, one.ax, one.ay, lines, k)
-        return k, one.distance
+    gap = one.distance
+    if gap <= TOUCHING:
+        k = put_barrier(other, gap, one.ax, one.ay, gap, -one.nx, -one.ny, lines, k)
+        return k, gap
     placed, px, py = np.empty((many, 2)), P.vertices[P.first, 0], P.vertices[P.first, 1]
     for j in range(many):
         dx, dy = from_vertex(P, P.first, Q, Q.first + j, other.frame)
@@ -168,13 +177,13 @@ def put_barriers(other: Approached, P: Part, Q: Part, lines: Rows4, k: int) -> t
         placed[j, 0], placed[j, 1] = bx, by
         ax, ay = nearest_of_part(P, bx, by)
         d = hypot(ax - bx, ay - by)
-        k = put_barrier(other, d, (ax - bx) / d, (ay - by) / d, ax, ay, lines, k)
+        k = put_barrier(other, gap, ax, ay, d, (ax - bx) / d, (ay - by) / d, lines, k)
     for m in range(P.first, P.end):
         ax, ay = P.vertices[m, 0], P.vertices[m, 1]
         bx, by = nearest_of_part(Part(placed, 0, many), ax, ay)
         d = hypot(ax - bx, ay - by)
-        k = put_barrier(other, d, (ax - bx) / d, (ay - by) / d, ax, ay, lines, k)
-    return k, one.distance
+        k = put_barrier(other, gap, ax, ay, d, (ax - bx) / d, (ay - by) / d, lines, k)
+    return k, gap
 
 
 @compiled
@@ -222,8 +231,8 @@ def put_filtered(
     lines, count, least = np.empty((BOX + parts + own * vertices, 4)), BOX, np.inf
     disc = put_box(lines, -1.0, -1.0, 1.0, 1.0)
     other = Approached(
-        seen_back(frame_at(c, s, pose[0], pose[1])), 0.0, 0.0, 0.0, rate, team.margin, v_max,
-        omega_max,
+        seen_back(frame_at(c, s, pose[0], pose[1])), 0.0, 0.0, 0.0, 1.0, rate,
+        team.update_period, team.margin, v_max, omega_max,
     )  # fmt: skip
     for m in range(seen.size):
         part = seen.number[m]
@@ -238,7 +247,7 @@ def put_filtered(
             turn = bodies.twist[near[m], 1]
         other = Approached(
             frame_from(pose, c, s, bodies.pose[near[m]]), c * ux + s * uy, c * uy - s * ux, turn,
-            share * rate, team.margin, v_max, omega_max,
+            share, rate, team.update_period, team.margin, v_max, omega_max,
         )  # fmt: skip
         count, gap = put_all_barriers(
             other, shapes, i, shapes, start[j], start[j + 1], lines, count

@@ -239,7 +239,7 @@ def cells_of(entrants: Sequence[Entrant], worlds: Iterable[str], seeds: range) -
                     given, overrides=[f"controller={choice}"], controller=one.controller
                 )
             except WorldError as error:
-                why = error.faults[0].message
+                why = error.faults[0].message.partition("; ")[0]  # without what to do about it
                 refused.append(Refusal(world=given, entrant=one.name, reason=why))
                 continue
             own = own_parts(world)

@@ -84,7 +84,14 @@ def league(
     )
     from physim.campaigns.outcomes import Outcomes
     from physim.campaigns.report.league import standings, standings_values
-    from physim.campaigns.report.league_page import MARKDOWN, PAGE, films_of, league_text, pages
+    from physim.campaigns.report.league_page import (
+        MARKDOWN,
+        PAGE,
+        films_of,
+        league_text,
+        pages,
+        said,
+    )
     from physim.campaigns.sweep import sweep
 
     before = read_league(output)
@@ -122,7 +129,7 @@ def league(
         for name, text in pages(found, output, shown, "physim league").items():
             write_text(output / name, text)
     if json:
-        print(json_text(standings_values(found)), end="", file=out)
+        print(json_text(standings_values(found) | {"said": said(found)}), end="", file=out)
     elif not quiet:
         print(league_text(found), end="")
         print(files_written(output, (MARKDOWN, PAGE)))

@@ -45,6 +45,7 @@ class Constant:
 
     Settings = ConstantSettings
     drives = (ANY,)
+    told = "never"
 
     def __init__(self, settings: ConstantSettings | None = None) -> None:
         self.settings = settings or ConstantSettings()

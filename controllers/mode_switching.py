@@ -123,6 +123,7 @@ class ModeSwitching:
     rules = RULES
     columns = STANDARD_COLUMNS
     drives = ("unicycle", "car")
+    told = "always"
 
     def __init__(self, settings: ModeSwitchingSettings | None = None) -> None:
         self.settings = settings or ModeSwitchingSettings()

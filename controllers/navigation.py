@@ -20,7 +20,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from physim.compiled import compiled
 from physim.errors import Fault, Location
-from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows2, Shapes
+from physim.geometry.path import point_at
+from physim.geometry.shapes import Flags, FloatArray, IntArray, Polylines, Rows2, Shapes
 from physim.geometry.walls import NearestWalls, Sight, WallTree, nearest_walls
 from physim.parts.controller import Decisions
 from physim.parts.declarations import AT_STOP, SAFE, STANDARD_COLUMNS, Column, Mode, Rule
@@ -88,6 +89,10 @@ class Team(NamedTuple):
     """for `sight_of`; it only saves time"""
     paths: Polylines
     stop_station: FloatArray
+    stop: Rows2
+    """(N, 2) [m] places of the stop stations"""
+    beside: FloatArray
+    """(N,) [m] a quarter of the width: beyond that it goes back to its stop"""
     limits: Rows2
     """(N, 2) largest v [m/s] and omega [rad/s]"""
     speed_rule: SpeedRule
@@ -195,6 +200,26 @@ def speed_of(
 
 
 @compiled
+def put_going(
+    team: Team,
+    bodies: Bodies,
+    due: IntArray,
+    many: int,
+    first: IntArray,
+    end: IntArray,
+    station: FloatArray,
+    goes: Flags,
+) -> None:
+    """Write which of so ``many`` robots due (M,) are not at their stops yet."""
+    for k in range(many):
+        i = due[k]
+        me = first[i] + row_of(bodies.number[first[i] :], end[i] - first[i], i)
+        off = hypot(bodies.pose[me, 0] - team.stop[i, 0], bodies.pose[me, 1] - team.stop[i, 1])
+        away = team.stop_station[i] - station[i] > team.arrival_tolerance
+        goes[k] = away or off > max(team.beside[i], team.arrival_tolerance)
+
+
+@compiled
 def put_asked(
     team: Team,
     bodies: Bodies,
@@ -216,9 +241,13 @@ def put_asked(
         me = row_of(bodies.number[a:], many, i)
         nu = speed_of(team, i, me, bodies.number[a:], bodies.station[a:], many, rows)
         me += a
-        nu = min(nu, (team.stop_station[i] - station[i]) / team.update_period)
         x, y = bodies.pose[me, 0], bodies.pose[me, 1]
         tx, ty, _, _ = target_on_path(team.paths, i, station[i], team.look_ahead)
+        missing = team.stop_station[i] - station[i]
+        if missing <= team.arrival_tolerance:  # it came beside its stop
+            tx, ty = team.stop[i, 0], team.stop[i, 1]
+            missing = hypot(tx - x, ty - y)
+        nu = min(nu, missing / team.update_period)
         far = hypot(tx - x, ty - y)
         pace = nu / far if far > 0.0 else 0.0
         asked.row[k] = me
@@ -248,6 +277,7 @@ class Navigating:
     columns: tuple[Column, ...] = STANDARD_COLUMNS[:2]
     """target first"""
     drives = ("unicycle",)
+    told = "always"  # robots tell their commands, which are their velocities here
 
     def __init__(self, settings: NavigationSettings | None = None) -> None:
         self.settings = settings or self.Settings()
@@ -281,7 +311,8 @@ class Navigating:
         """Decide for robots ``due`` from what each of them may know."""
         team, s, many = view.prepared(self._team), view.sensed, len(due)
         bodies = Bodies.of(view, team.shapes)
-        goes = team.stop_station[due] - s.station[due] > team.arrival_tolerance
+        goes = np.empty(many, np.bool_)
+        put_going(team, bodies, due, many, s.first, s.end, s.station, goes)
         robots = due[goes]
         size = len(robots)
         asked = Asked(
@@ -309,13 +340,20 @@ class Navigating:
         )  # fmt: skip
 
     def _team(self, scene: Scene) -> Team:
-        settings, plan = self.settings, scene.formation
+        settings, plan, shapes = self.settings, scene.formation, scene.shapes
+        corner = shapes.part_start[shapes.body_start[: scene.robots]]
+        end = shapes.part_start[shapes.body_start[scene.robots]]
+        y = shapes.vertices[:end, 1]
+        width = np.maximum.reduceat(y, corner) - np.minimum.reduceat(y, corner)
+        stops = [point_at(scene.paths, i, at)[:2] for i, at in enumerate(scene.stop_station)]
         return Team(
             shapes=scene.shapes,
             walls=scene.wall_tree,
             nearest=nearest_walls(scene.robots),
             paths=scene.paths,
             stop_station=scene.stop_station,
+            stop=np.array(stops),
+            beside=0.25 * width,
             limits=np.ascontiguousarray(scene.limits[:, :2]),
             speed_rule=SpeedRule.of(plan, settings.speed),
             lead=plan.lead,

@@ -34,6 +34,7 @@ class PathFollowing:
     )
     columns = STANDARD_COLUMNS[:2]
     drives = ("unicycle", "car", "omni")
+    told = "formation"
 
     Settings = PathFollowingSettings
 

@@ -10,6 +10,7 @@ numbers: as easy as 1, 2, 3; 2011), which numpy has too.
 from __future__ import annotations
 
 import hashlib
+from functools import cache
 from math import cos, log, pi, sin, sqrt
 
 import numpy as np
@@ -35,6 +36,7 @@ def stream(seed: int, purpose: str, robot: int) -> np.random.Generator:
     )
 
 
+@cache
 def purpose_key(purpose: str) -> int:
     """64-bit key of a purpose."""
     return int.from_bytes(hashlib.sha256(purpose.encode()).digest()[:8], "little")

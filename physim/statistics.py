@@ -32,6 +32,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from physim.randomness import stream
+
 FloatArray = NDArray[np.float64]
 CONFIDENCE = 0.95
 """Probability with which the intervals of all reports hold the true value, at least."""
@@ -372,3 +374,81 @@ def holm(p_values: Sequence[float]) -> list[float]:
     back = np.empty(len(order))
     back[order] = corrected
     return [float(p) for p in back]
+
+
+# Many arms in many worlds
+
+
+@dataclass(frozen=True)
+class Duel:
+    """Arm a beside arm b over all worlds: the mean difference, a minus b, worlds weighing alike."""
+
+    difference: float
+    """nan where no world has enough seeds of both"""
+    low: float
+    high: float
+    worlds: int
+    """that have enough seeds of both"""
+    only_a: int
+    """seeds of these worlds with which a's value is larger"""
+    only_b: int
+    p: float = 1.0
+    """of the sign test over all seeds, corrected for the number of duels (Holm)"""
+
+    @property
+    def sure(self) -> int:
+        """1 where a's values are surely larger, -1 where b's are, 0 where it cannot be told.
+
+        Sure is what interval and test say alike: the interval, of the mean over worlds, takes what
+        never differed in one of few seeds for certain; the test, exact, does not.
+        """
+        if self.p > 1.0 - CONFIDENCE:
+            return 0
+        if self.low > 0.0 and self.only_a > self.only_b:
+            return 1
+        return -1 if self.high < 0.0 and self.only_b > self.only_a else 0
+
+
+def duels(
+    values: Sequence[ArrayLike], fewest: int = 1, draws: int = 2000, confidence: float = CONFIDENCE
+) -> dict[tuple[int, int], Duel]:
+    """Every two of E arms compared, a before b, over worlds on paired seeds.
+
+    ``values`` are (E, S) of each world, nan where an arm has none; of a world the seeds count that
+    both have, if there are at least ``fewest``. Intervals hold for all duels at once with about
+    ``confidence``: seeds are drawn anew within each world (bootstrap), the same for all arms, and
+    the largest of the standardised deviations gives how wide all are.
+    """
+    tables = [np.asarray(one, float) for one in values]
+    arms = len(tables[0]) if tables else 0
+    first, second = np.triu_indices(arms, 1)
+    total, drawn = np.zeros(len(first)), np.zeros((draws, len(first)))
+    worlds, won, lost = (np.zeros(len(first), int) for _ in range(3))
+    for k, table in enumerate(tables):
+        seeds = table.shape[1]
+        gap = (table[first] - table[second]).T  # (S, P)
+        known = ~np.isnan(gap)
+        counts = known.sum(axis=0) >= fewest
+        gap, known = np.where(known & counts, gap, 0.0), known & counts
+        share = np.full(seeds, 1.0 / seeds) if seeds else np.zeros(0)
+        often = stream(0, "duels", k).multinomial(seeds, share, draws).astype(float)
+        mean = gap.sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+        have = often @ known
+        total += mean
+        drawn += np.where(have > 0.0, (often @ gap) / np.maximum(have, 1.0), mean)
+        worlds += counts
+        won, lost = won + (gap > 0.0).sum(axis=0), lost + (gap < 0.0).sum(axis=0)
+    some = np.maximum(worlds, 1)
+    mean, drawn = total / some, drawn / some
+    spread = drawn.std(axis=0)
+    varies = spread > 0.0
+    size = np.abs(drawn - mean)[:, varies] / spread[varies]
+    reach = float(np.quantile(size.max(axis=1), confidence)) if varies.any() else 0.0
+    tests = holm([sign_test(int(a), int(b)) for a, b in zip(won, lost, strict=True)])
+    return {
+        (int(a), int(b)): Duel(
+            float(mean[k]) if worlds[k] else math.nan, float(mean[k] - reach * spread[k]),
+            float(mean[k] + reach * spread[k]), int(worlds[k]), int(won[k]), int(lost[k]), tests[k],
+        )
+        for k, (a, b) in enumerate(zip(first, second, strict=True))
+    }  # fmt: skip

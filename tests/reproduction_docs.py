@@ -12,10 +12,11 @@ from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
+from physim.blocks import markdown
 from physim.cli import main as physim
 from tests.helpers import inside
 
-Report, JSON, markdown = inside("physim.reproduction", "Report", "JSON", "markdown")
+Report, JSON, content = inside("physim.reproduction", "Report", "JSON", "content")
 Outcome = inside("physim.reproduction", "Outcome")
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -35,7 +36,7 @@ def text_of(report: Report) -> str:
         replace(one, pictures=tuple(f"reproduction/{Path(p).name}" for p in one.pictures))
         for one in report.sections
     )
-    text = markdown(replace(report, sections=sections))
+    text = markdown(content(replace(report, sections=sections)))
     return text.replace("\n```sh\n", "\n<!-- not run: takes long -->\n```sh\n")
 
 

@@ -122,8 +122,9 @@ def test_wheel_works_in_another_place(wheel: Path, tmp_path: Path) -> None:
         "main(['--version'])\n"
         "world = physim.load_world(find_world('straight'))\n"
         "print(json.dumps([[m.__file__ for m in (physim, physim.controllers, physim.worlds)],\n"
-        "    sorted(shipped_worlds()), find_part(CONTROLLER, 'mode_switching').__module__,\n"
-        "    world.name]))"
+        "    sorted([*shipped_worlds(), *shipped_worlds('league'), *shipped_worlds('training')]),\n"
+        "    find_world('league/lanes_2').with_name('league.yaml').is_file(),\n"
+        "    find_part(CONTROLLER, 'mode_switching').__module__, world.name]))"
     )
     done = subprocess.run(
         [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True,
@@ -132,8 +133,10 @@ def test_wheel_works_in_another_place(wheel: Path, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     version, told = done.stdout.splitlines()
     assert re.fullmatch(r"physim \d+\.\d+\.\d+", version)  # and no commit: this is no checkout
-    files, worlds, module, name = json.loads(told)
+    files, worlds, programme, module, name = json.loads(told)
     assert all(Path(file).is_relative_to(tmp_path / "site") for file in files)
-    assert worlds == sorted(file.stem for file in (ROOT / "worlds").glob("*.yaml"))
+    on_disk = (file.relative_to(ROOT / "worlds") for file in (ROOT / "worlds").rglob("*.yaml"))
+    assert worlds == sorted({str(file.with_suffix("")) for file in on_disk} - {"league/league"})
+    assert programme
     assert module == "physim.controllers.mode_switching"
     assert name == "straight"

@@ -244,9 +244,12 @@ def table_rows(summary: Summary, brief: bool = False) -> Rows:
     factor = record.wall_clock.get("factor")
     computes = s.value("collision_time_evaluations") is not None
     none = "none" if computes else "n/a (the controller computes none)"
-    grazes = (
-        f"{len(run.grazes)}, first {between(run.grazes[0].time, record.dt)}" if run.grazes else ""
-    )
+    grazes, at_samples = "", ""
+    if record.judged and run.nearest and run.nearest.time == run.nearest.step * record.dt:
+        at_samples = "at samples alone: --every S looks between them"
+    if run.grazes:
+        first = between(run.grazes[0].step * record.dt, record.dt)
+        grazes = f"{len(run.grazes)}, first {first}"
     return [
         ("run", f"{record.name}, seed {record.seed}, {plural(record.robots, 'robot')}: {end}"),
         *record.setup.lines(),
@@ -255,7 +258,7 @@ def table_rows(summary: Summary, brief: bool = False) -> Rows:
         *_each_contact(s, run.episodes),
         *([("grazes between samples", grazes)] if grazes else []),
         *_each_contact(s, run.grazes),
-        ("shortest distance", _told(s, "shortest_distance", 4)),
+        ("shortest distance", _told(s, "shortest_distance", 4, more=at_samples)),
         ("shortest boundary distance",
          _told(s, "shortest_boundary_distance", 4, more=run.where_nearest_wall)),
         ("shortest collision time",  # `physim validate` has those of all bodies
@@ -334,7 +337,7 @@ def _each_contact(summary: Summary, found: Sequence[Episode | Graze]) -> Rows:
             how = f"{one.samples * dt:.2f} s long, {1e3 * one.depth:.1f} mm deep"
             how += "" if one.impact is None else f", impact {amount(one.impact, 'N s', 1)}"
         else:
-            when, how = between(one.time, dt), f"{1e3 * one.depth:.3g} mm deep"
+            when, how = between(one.step * dt, dt), f"{1e3 * one.depth:.3g} mm deep"
         rows.append((f"  {when}", f"{' and '.join(names)}{where and f' {where}'}, {how}"))
     return rows + _more(len(found) - len(rows))
 

@@ -6,9 +6,10 @@ run shows. A world that would take long is not tried.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
@@ -54,8 +55,8 @@ class Trial:
     line: str
     """in short, or why there was none"""
     faults: tuple[Fault, ...] = ()
-    """at the robots' paths: contacts in the order of time, then who does not arrive, those who
-    lack most first; at the controller where that failed"""
+    """warnings at the robots' paths: contacts in the order of time, then who does not arrive, those
+    who lack most first; or an error at the controller, where that failed"""
 
 
 def try_world(
@@ -149,7 +150,7 @@ def _shown(laid: Layout, record: Record, ending: _Ending, kept: Kept) -> Trial:
             said = late.sentence(describe(record.names[late.robot]))
             said += _what_keeps(laid, record, late, *kept[late.robot])
             faults.append(Fault(laid.path_entry(late.robot), said))
-    return Trial(line, tuple(faults))
+    return Trial(line, tuple(replace(one, severity="warning") for one in faults))
 
 
 def _contacts(laid: Layout, record: Record, run: Figures) -> Iterator[Fault]:
@@ -175,7 +176,8 @@ def _what_keeps(laid: Layout, record: Record, late: Absent, by: str, kept: float
     i, pose = late.robot, np.asarray(record.moving_pose[-1])
     is_over = record.steps_run == laid.world.time.steps
     if is_over and not late.stands and late.short > 0.0 and LITTLE <= late.pace * LATELY < np.inf:
-        return f"; time.duration ends too early, it needs about {late.short / late.pace:.0f} s more"
+        needs = math.ceil(late.short / late.pace)
+        return f"; time.duration ends too early, it needs about {needs} s more"
     away = {
         k: float(np.hypot(*np.diff(nearest_points(record, i, k, pose), axis=0)[0]))
         for k in range(len(record.bodies))

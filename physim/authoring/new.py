@@ -26,6 +26,14 @@ from physim.world.layout.layout import lay_out
 
 WIDTH = 100
 """Columns of a comment"""
+EXAMPLES = {
+    "sensing": "{stages: [{type: noise, position: 0.05}, {type: messages, probability: 0.1}]}",
+    "disturbances": "[{type: actuation, v: {noise: 0.05}}]",
+    "movers": (
+        "[{name: cart, footprint: {length: 1, width: 1}, waypoints: [[9, -2], [9, 2]], speed: 0.5}]"
+    ),
+}
+"""Of keys whose values are hard to guess"""
 
 
 def new_text(name: str, like: str, robots: int | None = None) -> str:
@@ -81,10 +89,12 @@ def _commented(world: World) -> Iterator[str]:
             note = ""
         yield f"{bare}  # {note}" if note else bare
     yield ""
-    yield "# Left out here:"
+    yield "# Left out here (a line that begins with # alone is an example: remove its #):"
     for key, field in World.model_fields.items():
         if key not in document.values:
             yield from _comment(f"{key}: {field.description}")
+            if key in EXAMPLES:
+                yield f"#{key}: {EXAMPLES[key]}"
     for key, field in type(world.robots[0]).model_fields.items():
         if key not in document.values["robots"][0]:
             yield from _comment(f"of a robot, {key}: {field.description}")

@@ -181,7 +181,9 @@ def between(a: Outcomes, b: Outcomes, names: tuple[str, str]) -> list[Pair]:
     return found
 
 
-def compare(arms: Sequence[Pair], names: Mapping[str, int] = USUAL) -> list[Comparison]:
+def compare(
+    arms: Sequence[Pair], names: Mapping[str, int] = USUAL, most: int = MOST_PAIRS_OF_CELLS
+) -> list[Comparison]:
     """Compare arms in rates and measures; all p values are corrected together, after Holm.
 
     Of each of ``names`` it says which is better: 1 where more is, -1 where less is. Findings of
@@ -189,11 +191,12 @@ def compare(arms: Sequence[Pair], names: Mapping[str, int] = USUAL) -> list[Comp
     whatever they are: they are not tested, and do not count in the correction.
 
     A rate or measure that no pair has on both sides is left out. Raises PhysimError where two arms
-    have no seed in common, for a metric of one's own that no row has, and for too many pairs.
+    have no seed in common, for a metric of one's own that no row has, and for more than ``most``
+    pairs.
     """
-    if len(arms) > MOST_PAIRS_OF_CELLS:
-        most = f"allowed: at most {MOST_PAIRS_OF_CELLS}"
-        raise PhysimError(f"there are {len(arms)} pairs of cells to compare; {most}")
+    if len(arms) > most:
+        allowed = f"allowed: at most {most}"
+        raise PhysimError(f"there are {len(arms)} pairs of cells to compare; {allowed}")
     known = sorted({column for a, b, _ in arms for arm in (a, b) for column in arm.outcomes.own})
     for column in names:
         if column.startswith(PREFIX) and column not in known:

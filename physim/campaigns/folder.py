@@ -25,10 +25,12 @@ from physim.world.file.files import file_text
 
 CAMPAIGN, RECORDS, WORLDS = "campaign.json", "records", "worlds"
 RESULTS, PARQUET = "results.csv", "results.parquet"
-UNTIL, LOCK = "until.json", ".lock"
+UNTIL, LOCK, LEAGUE = "until.json", ".lock", "league.json"
 STILLS, VIDEOS, PAGES = "stills", "videos", "pages"
 """Pictures of runs, by their keys, for reports"""
-PARTS = (CAMPAIGN, RESULTS, PARQUET, UNTIL, LOCK, ROWS, RECORDS, WORLDS, STILLS, VIDEOS, PAGES)
+PARTS = (
+    CAMPAIGN, RESULTS, PARQUET, UNTIL, LOCK, LEAGUE, ROWS, RECORDS, WORLDS, STILLS, VIDEOS, PAGES,
+)  # fmt: skip
 """Files and folders of a campaign; the pages of reports stand beside them."""
 FORMAT, VERSION = "physim-campaign", 1
 SPAN = 1 << 40
@@ -112,12 +114,14 @@ class Folder:
         cells: Iterable[RunSpec],
         asked: Mapping[Label, range] | None = None,
         part: tuple[int, int] | None = None,
+        beside: bool = False,
     ) -> None:
         """Make the folder ready for runs of some cells, a spec of each; the seed does not matter.
 
         ``asked`` are the seeds of each cell that the folder is to have in the end; they are added
-        to those of before. Nobody else does the runs of ``part`` (one of so many) until `close`, or
-        until this process is gone.
+        to those of before. With ``beside`` cells may stand beside others that are there. Nobody
+        else does the runs of ``part`` (one of so many) until `close`, or until this process is
+        gone.
 
         Raises PhysimError where it holds another campaign or something else, cannot be written, or
         another sweep is at work.
@@ -126,7 +130,7 @@ class Folder:
         wanted = {spec.label: _described(spec) for spec in cells}
         texts = {spec.world_hash: spec.text for spec in cells}
         known = {one.label: one for one in self.cells()} if self._is_there() else {}
-        self._check(known, wanted)
+        self._check(known, wanted, beside)
         try:
             for folder in (self.path / ROWS, self.records, self.path / WORLDS):
                 folder.mkdir(parents=True, exist_ok=True)
@@ -211,16 +215,20 @@ class Folder:
         except OSError as error:
             raise PhysimError(f"{self.path}: cannot be read: {error.strerror}") from None
         is_one = CAMPAIGN in there
-        if not is_one and there - {ROWS, RECORDS, WORLDS}:  # another sweep may just be making it
+        begun = {ROWS, RECORDS, WORLDS, LEAGUE}  # another sweep may just be making it
+        if not is_one and there - begun:
             raise PhysimError(
                 f"{self.path}: is not empty and holds no campaign; give another folder"
             )
         return is_one
 
-    def _check(self, known: dict[Label, Described], wanted: dict[Label, Described]) -> None:
+    def _check(
+        self, known: dict[Label, Described], wanted: dict[Label, Described], beside: bool
+    ) -> None:
         """Raise PhysimError where its campaign is another than the one that is wanted.
 
-        It may have more cells than are wanted or fewer, but those in both must be the same.
+        It may have more cells than are wanted or fewer, but those in both must be the same; with
+        ``beside`` it may have more and lack some.
         """
         for label in known.keys() & wanted.keys():
             one, other = known[label], wanted[label]
@@ -240,7 +248,8 @@ class Folder:
                     f"{self.path}: holds a campaign of another {label[0]}: {', '.join(words)}; "
                     "give another folder"
                 )
-        if known and not (known.keys() >= wanted.keys() or known.keys() <= wanted.keys()):
+        one_in_other = known.keys() >= wanted.keys() or known.keys() <= wanted.keys()
+        if known and not (one_in_other or beside):
             named = ", ".join(filter(None, next(label for label in known if label not in wanted)))
             raise PhysimError(
                 f"{self.path}: holds another campaign (of {named}, which is not wanted here); give "

@@ -154,7 +154,7 @@ def make_grid(
             one_of_several = (name if len(names) > 1 else "", controller if chosen[1:] else "")
             raise _of_cell(error, *one_of_several) from None
         warnings |= dict.fromkeys(document.lines(document.warnings))
-        _check(world, document, seeds, overrides)
+        check_start(world, document, seeds, overrides)
         own = own_parts(world)
         if own not in sources:
             sources[own] = modules_of(own)
@@ -301,7 +301,9 @@ def _of_cell(error: WorldError, world: str, controller: str | None) -> WorldErro
     )
 
 
-def _check(world: World, document: Document, seeds: range | None, overrides: Sequence[str]) -> None:
+def check_start(
+    world: World, document: Document, seeds: range | None, overrides: Sequence[str]
+) -> None:
     """Raise WorldError where a world cannot be run, whatever the seed; with what makes it so."""
     tried = [world.seed] if seeds is None or not may_vary(world) else seeds[:TRIES]
     for k, seed in enumerate(tried):

@@ -78,7 +78,9 @@ def take(
                     f"{name}, which the run is made of, was changed since the runs were begun; a "
                     "file that runs write to must not be there when they begin"
                 )
-            found = figures(record)
+            found = figures(record) | {
+                name: record.wall_clock.get(name) for name in ("decision_median", "decision_99")
+            }
             if judged:
                 from physim.analysis.validation import judge
 

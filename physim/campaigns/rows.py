@@ -138,13 +138,25 @@ class Row:
         ),
     ] = None  # fmt: skip
     formation_error_peak: Size | None = None
+    formation_error_rms: Size | None = None
     deviation_peak: Size | None = None
+    deviation_rms: Size | None = None
     time_to_finish: Size | None = None
+    standstill: Size | None = None
+    speed_changes: Size | None = None
+    rotation_changes: Size | None = None
     not_arrived: Annotated[str, Column("names of robots that had not arrived at the end")] = ""
     stood: Annotated[str, Column("names of robots that stood short of their stops")] = ""
     danger_share: Share | None = None
     decisions: Count | None = None
     messages: Count | None = None
+    decision_median: Annotated[
+        Size | None,
+        Column("median of the processor time that a decision of one robot took", "s"),
+    ] = None
+    decision_99: Annotated[
+        Size | None, Column("processor time within which 99 % of decisions were made", "s")
+    ] = None
     cpu_seconds: Annotated[Size | None, Column("processor time that the run took", "s")] = None
     wall_seconds: Annotated[Size | None, Column("wall-clock time that the run took", "s")] = None
     verdict: Annotated[str, Column("verdict of the validation (sweep --validate)")] = ""

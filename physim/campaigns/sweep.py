@@ -83,6 +83,7 @@ def sweep(
     stop: Stop = never,
     progress: Callable[[Tally], None] = silent,
     decided: Decided | None = None,
+    beside: bool = False,
 ) -> Tally:
     """Do all runs that have no row in a folder yet, and write their rows there.
 
@@ -91,7 +92,8 @@ def sweep(
     `physim.campaigns.one_run.KEEP`; with ``judged`` each run is validated, too, those that have a
     row without a verdict again; with ``retry`` runs that failed are done again. ``decided`` is
     asked after every run in the order of ``specs``, whoever was done first; when it says True no
-    more runs are begun. A program must call it under ``if __name__ == "__main__":``, since its
+    more runs are begun. ``beside``: the folder may have cells that are not among the specs, and
+    lack some that are. A program must call it under ``if __name__ == "__main__":``, since its
     worker processes import it. Raises StartError where it does not, ValueError for another
     ``keep``, TypeError for what is no `RunSpec` or no executor, PhysimError for two worlds that are
     called alike, for the folder of another campaign or one in which another sweep is at work, for
@@ -105,7 +107,7 @@ def sweep(
     specs = specs if isinstance(specs, Grid) else _each_once(specs)
     place, tally = Folder(folder), Tally(len(specs))
     asked = specs.asked if isinstance(specs, Grid) and decided is None else None
-    place.open(_cells(specs), asked, specs.shard if isinstance(specs, Grid) else (1, 1))
+    place.open(_cells(specs), asked, specs.shard if isinstance(specs, Grid) else (1, 1), beside)
     try:
         _work(place, specs, executor, keep, judged, retry, stop, progress, decided, tally)
         write_results(place.path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from functools import partial
 from pathlib import Path
@@ -20,11 +21,14 @@ from physim.files import write_text
 from physim.terminal import INTERRUPTED, interrupts
 
 if TYPE_CHECKING:
+    from physim.analysis.parting import Parting
     from physim.record import Origin
     from physim.record import Record as Opened
     from physim.simulation.loop import Simulation
 
 FAILED = 1
+AFTER = 10.0
+"""[s] for which the film of both goes on after the two parted, or touched something at first"""
 OFF_GRID = 1e-6
 """of a step, by which a time may lie beside one, since it is written in decimals"""
 
@@ -61,8 +65,10 @@ def branch(
       --quiet  print no progress and no table
 
     DIR has the branch as physim run writes a run: record.h5, which says from which record it comes
-    and what was changed, video.mp4 and summary.json. both.mp4 and both.html show the original and
-    the branch from T on. Without a change the branch is the original, bit for bit.
+    and what was changed, video.mp4 and summary.json. both.html shows the original and the branch
+    from T on; both.mp4 shows them until 10 s after they parted, or after the first contact of
+    either, if that is later (physim video makes a film of other times). Without a change the branch
+    is the original, bit for bit.
 
     exit codes:
       0    ran, and the branch met everything under "expect:" in the world
@@ -97,11 +103,12 @@ def branch(
 
             summary = summarise(after)
             write_text(folder / SUMMARY, summary.to_json())
-            parted = parting(before, after)
+            parted, until = parting(before, after), math.inf
             if not no_video and not interrupt():
                 write_video(after, folder / "video.mp4", quiet, interrupt)
             if not no_video and not interrupt():
-                write_video(before, folder / BOTH, quiet, interrupt, beside=after)
+                until = _shown_until(before, after, parted)
+                write_video(before, folder / BOTH, quiet, interrupt, beside=after, end=until)
             if not interrupt():
                 make_page([before, after], folder / BOTH_PAGE, quiet)
     if quiet:
@@ -110,12 +117,31 @@ def branch(
         print(table(summary, brief=not full), end="")
         print(f"the two runs part: {parted or 'nowhere while both last'}")
         print(files_written(folder))
+        if until < max(before.time[-1], after.time[-1]):
+            print(
+                f"{BOTH} shows {after.begun:.2f} to {until:.2f} s; a film of all: physim video "
+                f"{record.parent} {folder}"
+            )
     if interrupt():
         at_once = after.ended == "interrupted"
         where = f"at {simulation.time:g} s of simulated time" if at_once else "before all is shown"
         print(f"interrupted {where}", file=sys.stderr)
         return INTERRUPTED
     return 0 if all(one.held for one in summary.expectations) else FAILED
+
+
+def _shown_until(before: Opened, after: Opened, parted: Parting | None) -> float:
+    """Where the film of both ends [s]: what is to be seen has happened."""
+    from physim.analysis.metrics import Figures
+
+    seen = [after.begun] if parted is None else [parted.time]
+    touches = [
+        one.time
+        for run in (before, after)
+        for one in (*Figures(run).episodes, *Figures(run).grazes)
+        if one.time > after.begun
+    ]
+    return max([*seen, *sorted(touches)[:1]]) + AFTER
 
 
 def branched(

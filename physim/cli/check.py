@@ -34,7 +34,7 @@ def check(
 ) -> int:  # fmt: skip
     """Report all errors and warnings of worlds, each with file, line and column, and the room that
     each robot has on its path. Then run each world without errors once: if a robot touches
-    something or does not arrive, that is a warning, too.
+    something or does not arrive, that is a warning, too; if its controller fails, an error.
 
     options:
       --no-run  check without a trial run
@@ -83,7 +83,7 @@ def check(
 def looked_at(
     world: str | Path, *, run: bool, quiet: bool, **changes: Any
 ) -> tuple[Findings, str | None]:
-    """What a world file shows, and, where it is to ``run``, a trial: its warnings come last.
+    """What a world file shows, and, where it is to ``run``, a trial: what that found comes last.
 
     And the line on the trial; None where there was none. ``changes`` are those of `check_world`.
     Ctrl-C raises KeyboardInterrupt.
@@ -98,8 +98,14 @@ def looked_at(
     laid, trusted = findings.layout, changes.get("controller") is not None
     tried = partial(try_world, laid, trusted=trusted)
     trial = to_the_end(tried, "trying it", laid.world.time.duration, quiet)
-    shown = map(findings.located, trial.faults)
-    return replace(findings, warnings=(*findings.warnings, *shown)), trial.line
+    warnings = [one for one in trial.faults if one.severity == "warning"]
+    errors = [one for one in trial.faults if one.severity == "error"]
+    shown = replace(
+        findings,
+        errors=(*findings.errors, *map(findings.located, errors)),
+        warnings=(*findings.warnings, *map(findings.located, warnings)),
+    )
+    return shown, trial.line
 
 
 def text_of(findings: Findings, trial: str | None = None) -> str:

@@ -56,6 +56,7 @@ GROUPS = {
         "compare": ("compare:compare", "compare A with B on the same seeds: which is better?"),
         "bear": ("bear:bear", "find how much noise, delay or loss a world can bear"),
         "falsify": ("falsify:falsify", "search for the worst case and reduce it"),
+        "league": ("league:league", "let controllers compete in the same worlds; rank them"),
         "reproduce": ("reproduce:reproduce", "repeat the paper's experiments; compare the results"),
     },
 }  # fmt: skip
@@ -67,8 +68,9 @@ INSTEAD = {
     ("new", "--from"): "--like WORLD --seed N",
     ("validate", "--seeds"): "physim sweep WORLD --seeds A:B --validate",
     ("compare", "--seeds"): "physim sweep, then physim compare DIR --by WHAT",
+    ("branch", "--page"): "none: it always writes both.html",
 }
-"""Options that there were, and what does the same"""
+"""Options that there were or that are looked for, and what does the same"""
 
 
 def run_command(arguments: Sequence[str]) -> int:

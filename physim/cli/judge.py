@@ -65,6 +65,7 @@ def judge(
       physim judge log.csv --world my_world.yaml --every 0.02
     """
     from physim.analysis.summary import summarise, table
+    from physim.judging import MAYBE_DEGREES
     from physim.judging import judge as judged
     from physim.world.file import read_world
 
@@ -79,6 +80,8 @@ def judge(
         )  # fmt: skip
     except WorldError as error:
         raise document.error(error.faults) from None
+    assert record.judged is not None
+    tell(note for note in record.judged.notes if note.startswith(MAYBE_DEGREES))
     summary = summarise(record)
     with run_folder(folder, force, *read):
         record.save(folder / "record.h5")

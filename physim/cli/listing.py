@@ -26,6 +26,8 @@ def listing(
     """List the shipped worlds and the registered controllers, sensing stages, filters,
     disturbances, observers and drives, one line each; also metrics and plots of other packages.
 
+    The worlds of the league and those for tuning stand below the others: run them as league/NAME.
+
     exit codes:
       0    listed
       2    bad input
@@ -40,17 +42,19 @@ def listing(
     from physim.analysis.metrics.registered import taken_name
     from physim.drawing.plots import NAMES
     from physim.parts.registry import DRIVE, KINDS, METRIC, PLOT, part_names
-    from physim.world.file.files import shipped_worlds
+    from physim.world.file.files import GROUPS, shipped_worlds
 
     kinds = (*KINDS, DRIVE, METRIC, PLOT)
-    found = {"worlds": shipped_worlds()}
+    worlds = shipped_worlds()
+    found = {"worlds": worlds}
     found |= {f"{kind.word}s": part_names(kind) for kind in kinds}
     for kind, own in ((METRIC, DEFINITIONS), (PLOT, NAMES)):
         entries = found[f"{kind.word}s"]
         entries |= {name: taken_name(kind, name) for name in entries if name in own}
+    grouped = {group: shipped_worlds(group) for group in GROUPS}
     if json:
         keys = ["worlds", *(kind.group.removeprefix("physim.") for kind in kinds)]
-        values = dict(zip(keys, found.values(), strict=True))
+        values = dict(zip(keys, found.values(), strict=True)) | grouped
         print(json_text(values), end="", file=out)
         return 0
     width = max(len(name) for entries in found.values() for name in entries)
@@ -59,6 +63,14 @@ def listing(
             print(title)
         for name, line in entries.items():
             print(f"  {name:<{width}}  {line}")
+        if entries is worlds:
+            for group, names in grouped.items():
+                inside = ", ".join(name.removeprefix(f"{group}/") for name in names)
+                print(
+                    textwrap.fill(
+                        f"{group}/ {inside}", LINE, initial_indent="  ", subsequent_indent="    "
+                    )
+                )
     if none := [title for title, entries in found.items() if not entries]:
         print(f"none registered: {', '.join(none)} (how to add one: {HOW})")
     return 0

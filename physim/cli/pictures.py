@@ -171,8 +171,8 @@ def video(
     with interrupts() as interrupt, ExitStack() as opened:
         records = [opened.enter_context(Opened.load(path)) for path in inputs]
         tell(
-            f"{one.path}: a sample every {spacing:g} s (time.record_every); between two of them "
-            "the earlier one is shown"
+            f"{one.path}: a sample every {spacing:g} s; between two of them the earlier one is "
+            f"shown; for more of them: {_finer(one)}"
             for one in records
             if (spacing := coarse_spacing(one.time))
             and (at is None or abs(one.time - at).min() > 1e-6)
@@ -190,6 +190,13 @@ def video(
     if not quiet:
         print(file)
     return 0
+
+
+def _finer(record: Opened) -> str:
+    """How to come by a record with more samples."""
+    if record.judged is None:
+        return "run it with --set time.record_every=1"
+    return f"physim judge {record.judged.source} --world WORLD --every 0.04"
 
 
 def write_video(

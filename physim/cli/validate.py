@@ -50,7 +50,7 @@ def validate(
 
     exit codes:
       0    contact-free and as the world expects; physics and geometry agree at every step
-      1    contacts, or not as the world expects
+      1    contacts, not as the world expects, or the run broke off with an error
       2    bad input: one message says what and where
       3    the checks disagree: something is wrong with physics, geometry or the record
       130  interrupted (Ctrl-C)

@@ -8,9 +8,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from physim.compiled import compiled
-from physim.disturbances.rows import moved, moving
+from physim.disturbances.rows import Rows, Stage, moved, rows_of
 from physim.errors import Fault, Location
-from physim.geometry.shapes import FloatArray, IntArray, Rows3
+from physim.geometry.shapes import FloatArray, Rows3
 from physim.parts.controller import Sensed, Snapshot
 from physim.world import World
 from physim.world.scene import Scene
@@ -42,11 +42,11 @@ class DelaySettings(BaseModel):
         return self
 
 
-class Delay:
+class Delay(Stage):
     """Shows robots where others were some time ago: pose and velocity, with their age."""
 
     Settings = DelaySettings
-    on_demand = True
+    settings: DelaySettings
 
     def __init__(self, settings: DelaySettings | None = None) -> None:
         self.settings = settings or DelaySettings()
@@ -66,16 +66,14 @@ class Delay:
     ) -> tuple[Sensed, Past]:
         """Rows of the past; before there is one so old, of the first sample."""
         own, steps = self.settings.own, self._steps(scene.dt)
-        now = (*moving(truth), *((truth.station, truth.reference_station) if own else ()))
+        bodies = truth.moving_pose, truth.moving_velocity
+        now = (*bodies, *((truth.station, truth.reference_station) if own else ()))
         later = (*state[-steps + 1 :], now) if steps > 1 else (now,)
         if not state or not len(sensed.robot):
             return sensed, later
         then, late = state[-steps:][0], min(steps, len(state)) * scene.dt
         pose, velocity, age = sensed.pose.copy(), sensed.velocity.copy(), sensed.age.copy()
-        put_past(
-            own, late, scene.robots, sensed.first, sensed.end, sensed.robot, then[0], then[1],
-            now[0], now[1], pose, velocity, age,
-        )  # fmt: skip
+        put_past(own, late, rows_of(truth, sensed), then[0], then[1], now[1], pose, velocity, age)
         rows = sensed._replace(velocity=velocity, age=age)
         if own:
             told = np.flatnonzero(rows.robot < scene.robots)
@@ -95,13 +93,9 @@ class Delay:
 def put_past(
     own: bool,
     late: float,
-    robots: int,
-    first: IntArray,
-    end: IntArray,
-    robot: IntArray,
+    rows: Rows,
     pose_then: Rows3,
     velocity_then: Rows3,
-    pose_now: Rows3,
     velocity_now: Rows3,
     pose: Rows3,
     velocity: Rows3,
@@ -111,13 +105,13 @@ def put_past(
 
     Rows that hold the truth get the past exactly.
     """
-    for i in range(robots):
-        for row in range(first[i], end[i]):
-            j = robot[row]
+    for i in range(rows.observers):
+        for row in range(rows.first[i], rows.end[i]):
+            j = rows.robot[row]
             if own or j != i:
                 age[row] += late
                 for m in range(3):
-                    pose[row, m] = pose_then[j, m] + (pose[row, m] - pose_now[j, m])
+                    pose[row, m] = pose_then[j, m] + (pose[row, m] - rows.truth[j, m])
                     velocity[row, m] = velocity_then[j, m] + (velocity[row, m] - velocity_now[j, m])
 
 

@@ -16,11 +16,11 @@ from pydantic import Field, model_validator
 from physim.compiled import compiled
 from physim.disturbances.delay import late_faults
 from physim.disturbances.losses import Chance, Losses, last_drawn
-from physim.disturbances.rows import moved, without
+from physim.disturbances.rows import Rows, Stage, moved, rows_of, without
 from physim.errors import Fault, Location
-from physim.geometry.shapes import Flags, FloatArray, IntArray
+from physim.geometry.shapes import Flags, FloatArray
 from physim.parts.controller import Sensed, Snapshot
-from physim.randomness import Words, purpose_key
+from physim.randomness import Words
 from physim.world import World
 from physim.world.scene import Scene
 
@@ -46,24 +46,18 @@ class MessagesSettings(Losses):
         return self
 
 
-class Messages:
+class Messages(Stage):
     """Lets what robots tell one another, station and command, come late or get lost."""
 
     Settings = MessagesSettings
-    on_demand = True
 
     def __init__(self, settings: MessagesSettings | None = None) -> None:
         self.settings = settings or MessagesSettings()
-        self._chance = self.settings.chance
-        self._purpose = purpose_key(f"messages {self.settings.stream}")
         self.is_off = not (self.settings.probability or self.settings.delay)
 
     def world_faults(self, world: World, where: Location) -> list[Fault]:
         """Refuse a delay that is longer than the run."""
         return late_faults(self.settings.delay, world, (*where, "delay"))
-
-    def start(self, scene: Scene) -> None:
-        """Nothing is told yet."""
 
     def sense(
         self, scene: Scene, truth: Snapshot, sensed: Sensed, before: FloatArray | None
@@ -86,11 +80,10 @@ class Messages:
         newest = max((step - round(s.delay / scene.dt)) // every, oldest)
         command, heard = sensed.command.copy(), sensed.heard.copy()
         station, lost = sensed.reference_station.copy(), np.zeros(len(heard), np.bool_)
-        key = np.array([scene.seed, self._purpose], dtype=np.uint64)
         slots = Slots(newest, oldest, step, every, keep, scene.dt, state.reshape(-1))
         put_heard(
-            key, self._chance, slots, scene.robots, command.shape[1], sensed.first, sensed.end,
-            sensed.robot, truth.reference_station, command.reshape(-1), station, heard, lost,
+            self.key(scene), s.chance, slots, rows_of(truth, sensed), command.shape[1],
+            truth.reference_station, command.reshape(-1), station, heard, lost,
         )  # fmt: skip
         rows = sensed._replace(command=command, reference_station=station, heard=heard)
         return forgotten(scene, rows, lost), state
@@ -119,11 +112,8 @@ def put_heard(
     key: Words,
     chance: Chance,
     slots: Slots,
-    robots: int,
+    rows: Rows,
     columns: int,
-    first: IntArray,
-    end: IntArray,
-    robot: IntArray,
     station_now: FloatArray,
     command: FloatArray,
     station: FloatArray,
@@ -135,9 +125,9 @@ def put_heard(
     What stages before changed of stations stays; rows that hold the truth get the past exactly.
     ``lost`` are rows of which nothing was heard for so long that it is forgotten.
     """
-    for i in range(robots):
-        for row in range(first[i], end[i]):
-            j, slot = robot[row], slots.newest
+    for i in range(rows.observers):
+        for row in range(rows.first[i], rows.end[i]):
+            j, slot = rows.robot[row], slots.newest
             if j == i or not heard[row] < np.inf:
                 continue
             while slot > slots.oldest:
@@ -150,7 +140,7 @@ def put_heard(
             if late > slots.keep:
                 lost[row], heard[row] = True, np.inf
                 continue
-            at = (robots * (slot - slots.oldest) + j) * (columns + 1)
+            at = (rows.observers * (slot - slots.oldest) + j) * (columns + 1)
             for m in range(columns):
                 command[columns * row + m] = slots.told[at + m]
             station[row] = slots.told[at + columns] + (station[row] - station_now[j])

@@ -20,17 +20,19 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from physim.compiled import compiled
 from physim.disturbances.named import Stream
-from physim.disturbances.rows import moving
+from physim.disturbances.rows import Rows, Stage, rows_of
 from physim.errors import Fault, Location
 from physim.geometry.path import SHORTEST_WINDOW, track
-from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows3
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows3, Rows4
 from physim.parts.controller import Sensed, Snapshot
 from physim.parts.registry import OF_ROBOTS, make_part
-from physim.randomness import Words, draw_normal, purpose_key
+from physim.randomness import Words, draw_normal
 from physim.tolerances import SHARE
 from physim.world import World
 from physim.world.scene import Scene
 
+WIDTH = 32
+"""Most places in which draws of one observer are kept"""
 Deviation = Annotated[float, Field(ge=0.0, le=1.0e3, allow_inf_nan=False)]
 Bias = Annotated[float, Field(ge=-1.0e3, le=1.0e3, allow_inf_nan=False)]
 
@@ -68,11 +70,22 @@ class Size(NamedTuple):
     of_others: bool
 
 
-class Noise:
+class Kept(NamedTuple):
+    """Draws that are kept, as observers look again before they change: this only saves time."""
+
+    mark: IntArray
+    """(2 N width,) knot and body of a draw; -1 where there is none"""
+    drawn: Rows4
+    """(2 N width, 4)"""
+    bodies: int
+    width: int
+    """places for each observer at a knot; bodies take turns"""
+
+
+class Noise(Stage):
     """Adds errors to the poses that robots sense: deviation, bias, correlation in time."""
 
     Settings = NoiseSettings
-    on_demand = True
 
     def __init__(self, settings: NoiseSettings | None = None) -> None:
         self.settings = s = settings or NoiseSettings()
@@ -80,8 +93,12 @@ class Noise:
             s.position, s.heading, *s.bias, s.heading_bias, s.of != "others", s.of != "own"
         )
         self.is_off = not any(self._size[:5])
-        self._purpose = purpose_key(f"noise {s.stream}")
         self._window = max(SHORTEST_WINDOW, 8.0 * s.position + hypot(*s.bias))
+        self._kept: tuple[Any, Kept] | None = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies keep no draws."""
+        return type(self), (self.settings,)
 
     def world_doubts(self, world: World, where: Location) -> Iterator[Fault]:
         """Doubt noise larger than what arrival allows, or than where a controller avoids."""
@@ -110,45 +127,50 @@ class Noise:
                     )
                     return
 
-    def start(self, scene: Scene) -> None:
-        """Nothing is remembered."""
-
-    def sense(
-        self, scene: Scene, truth: Snapshot, sensed: Sensed, state: Any
-    ) -> tuple[Sensed, Any]:
+    def changed(self, scene: Scene, truth: Snapshot, sensed: Sensed) -> Sensed:
         """Rows with errors; what robots tell of themselves follows their own."""
-        if not len(sensed.robot):
-            return sensed, state
-        s = self.settings
+        s, of = self.settings, (scene.seed, scene.robots, scene.moving)
+        if self._kept is None or self._kept[0] != of:
+            width = min(WIDTH, scene.moving) if s.correlation else 1
+            places = 2 * scene.robots * width
+            kept = Kept(np.full(places, -1), np.empty((places, 4)), scene.moving, width)
+            self._kept = of, kept
         time = sensed.step * scene.dt / s.correlation if s.correlation else float(sensed.step)
-        key = np.array([scene.seed, self._purpose], dtype=np.uint64)
         pose, station = sensed.pose.copy(), sensed.station.copy()
         reference = sensed.reference_station.copy()
         put_noise(
-            key, time, self._size, scene.reference, scene.paths, self._window, scene.robots,
-            truth.station, truth.reference_station, moving(truth)[0], sensed.first, sensed.end,
-            sensed.robot, sensed.heard, pose, reference, station,
+            Draws(self.key(scene), time, self._size, self._kept[1]), rows_of(truth, sensed),
+            scene.reference, scene.paths, self._window, truth.station, truth.reference_station,
+            sensed.heard, pose, reference, station,
         )  # fmt: skip
-        changed = sensed._replace(pose=pose, reference_station=reference, station=station)
-        return changed, state
+        return sensed._replace(pose=pose, reference_station=reference, station=station)
+
+
+class Draws(NamedTuple):
+    """What errors are drawn by."""
+
+    key: Words
+    time: float
+    """in knots"""
+    size: Size
+    kept: Kept
 
 
 @compiled
-def put_error(
-    key: Words, time: float, size: Size, i: int, j: int, heading: float, out: FloatArray
-) -> None:
-    """Write the error (3,) of observer i, who faces along ``heading``, about body j.
-
-    ``time`` counts knots.
-    """
-    knot = int(time)
-    u = time - knot
-    norm, drawn = sqrt((1.0 - u) * (1.0 - u) + u * u), np.empty(4)
+def put_error(draws: Draws, i: int, j: int, heading: float, out: FloatArray) -> None:
+    """Write the error (3,) of observer i, who faces along ``heading``, about body j."""
+    size, kept, knot = draws.size, draws.kept, int(draws.time)
+    u = draws.time - knot
+    norm = sqrt((1.0 - u) * (1.0 - u) + u * u)
     out[0], out[1], out[2] = 0.0, 0.0, 0.0
-    for k in range(2 if u > 0.0 else 1):
-        share = (1.0 - u if k == 0 else u) / norm
-        pairs = 2 if size.heading > 0.0 else 1
-        draw_normal(key, np.uint64(knot + k), np.uint64(i), np.uint64(j), pairs, drawn)
+    pairs = 2 if size.heading > 0.0 else 1
+    for k in range(knot, knot + (2 if u > 0.0 else 1)):
+        share = (1.0 - u if k == knot else u) / norm
+        place = 2 * (kept.width * i + j % kept.width) + k % 2
+        drawn, mark = kept.drawn[place], kept.bodies * k + j
+        if kept.mark[place] != mark:
+            kept.mark[place] = mark
+            draw_normal(draws.key, np.uint64(k), np.uint64(i), np.uint64(j), pairs, drawn)
         for m in range(1 + pairs):
             out[m] += share * drawn[m]
     out[0], out[1] = size.position * out[0], size.position * out[1]
@@ -161,19 +183,13 @@ def put_error(
 
 @compiled
 def put_noise(
-    key: Words,
-    time: float,
-    size: Size,
+    draws: Draws,
+    rows: Rows,
     line: Polylines,
     paths: Polylines,
     window: float,
-    robots: int,
     true_station: FloatArray,
     true_reference: FloatArray,
-    truth: Rows3,
-    first: IntArray,
-    end: IntArray,
-    robot: IntArray,
     heard: FloatArray,
     pose: Rows3,
     reference: FloatArray,
@@ -183,13 +199,14 @@ def put_noise(
 
     What robots tell follows their own errors, what nobody told follows the pose that is seen.
     """
+    truth, robots, size = rows.truth, rows.observers, draws.size
     error, own = np.empty(3), np.empty(3 * robots)
     shift, is_known = np.zeros(robots), np.zeros(robots, np.int64)
     for i in range(robots):
-        for row in range(first[i], end[i]):
-            j = robot[row]
+        for row in range(rows.first[i], rows.end[i]):
+            j = rows.robot[row]
             if size.of_own and j < robots and is_known[j] == 0:
-                put_error(key, time, size, j, j, truth[j, 2], own[3 * j :])
+                put_error(draws, j, j, truth[j, 2], own[3 * j :])
                 x, y = truth[j, 0] + own[3 * j], truth[j, 1] + own[3 * j + 1]
                 at, _, _ = track(line, 0, x, y, true_reference[j], window)
                 shift[j], is_known[j] = at - true_reference[j], 1
@@ -203,7 +220,7 @@ def put_noise(
                     at, _, _ = track(paths, i, x, y, true_station[i], window)
                     station[i] += at - true_station[i]
             elif size.of_others and not isnan(pose[row, 0]):
-                put_error(key, time, size, i, j, truth[i, 2], error)
+                put_error(draws, i, j, truth[i, 2], error)
                 for m in range(3):
                     pose[row, m] += error[m]
                 if not heard[row] < np.inf:

@@ -3,46 +3,32 @@
 from __future__ import annotations
 
 from math import cos, isnan, sin
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from physim.compiled import compiled
-from physim.disturbances.rows import moving, unseen
+from physim.disturbances.rows import Rows, Stage
 from physim.geometry.shapes import Flags, FloatArray, IntArray, Part, Rows3, Shapes
 from physim.geometry.walls import LEAF, WallTree, leaf_after
-from physim.parts.controller import Sensed, Snapshot
-from physim.parts.stages import observer_of_row
 from physim.world.scene import Scene
 
 LEAST = 1e-9
 """[-] share of a line that must run inside a body to end there: touching a corner hides nothing"""
+MARGIN = 1e-6
+"""[m] by which bodies that may lie in between are taken to be larger"""
 
 
-class Occlusion:
+class Occlusion(Stage):
     """Hides robots of which nothing is seen past walls, obstacles and other bodies.
 
     A robot is seen where the straight line from the observer's reference point to its own, or to
     one of its corners, meets no wall and no third body.
     """
 
-    on_demand = True
-
-    def start(self, scene: Scene) -> None:
-        """Nothing is remembered."""
-
-    def sense(
-        self, scene: Scene, truth: Snapshot, sensed: Sensed, state: Any
-    ) -> tuple[Sensed, Any]:
-        """Rows in which those behind something are not seen, by where all really are."""
-        if not len(sensed.robot):
-            return sensed, state
-        hidden, (pose, _) = np.empty(len(sensed.robot), np.bool_), moving(truth)
-        put_hidden(
-            scene.wall_tree, scene.shapes, len(pose), pose, len(hidden), observer_of_row(sensed),
-            sensed.robot, sensed.pose, hidden,
-        )  # fmt: skip
-        return unseen(sensed, hidden), state
+    def hide(self, scene: Scene, step: int, rows: Rows, out: Flags) -> None:
+        """Write which rows (M,) are about what stands behind something, by where all really are."""
+        put_hidden(scene.wall_tree, scene.shapes, scene.moving, rows, out)
 
 
 class Line(NamedTuple):
@@ -55,44 +41,47 @@ class Line(NamedTuple):
 
 
 @compiled
-def put_hidden(
-    tree: WallTree,
-    shapes: Shapes,
-    bodies: int,
-    pose: Rows3,
-    many: int,
-    who: IntArray,
-    whom: IntArray,
-    seen: Rows3,
-    out: Flags,
-) -> None:
-    """Write of which bodies ``whom`` in sight of ``who`` nothing is seen past others."""
-    V, between = shapes.vertices, np.empty(bodies, np.int64)
-    for row in range(many):
-        i, j, count, out[row] = who[row], whom[row], 0, False
-        if i == j or isnan(seen[row, 0]):
-            continue
-        x, y = pose[i, 0], pose[i, 1]
-        dx, dy = pose[j, 0] - x, pose[j, 1] - y
-        far = np.sqrt(dx * dx + dy * dy) + shapes.radius[j]
+def put_hidden(tree: WallTree, shapes: Shapes, bodies: int, rows: Rows, out: Flags) -> None:
+    """Write of which bodies in sight nothing is seen past others."""
+    V, pose, radius = shapes.vertices, rows.truth, shapes.radius
+    near, between = np.empty(bodies, np.int64), np.empty(bodies, np.int64)
+    for i in range(rows.observers):
+        x, y, reach, many = pose[i, 0], pose[i, 1], 0.0, 0
+        for row in range(rows.first[i], rows.end[i]):
+            j = rows.robot[row]
+            far = np.hypot(pose[j, 0] - x, pose[j, 1] - y) + radius[j]
+            if far > reach and not isnan(rows.seen[row, 0]):
+                reach = far
         for k in range(bodies):
-            ox, oy, near = pose[k, 0] - x, pose[k, 1] - y, far + shapes.radius[k]
-            if k != i and k != j and ox * ox + oy * oy < near * near:
-                between[count] = k
-                count += 1
-        line = Line(x, y, pose[j, 0], pose[j, 1])
-        hidden = is_blocked(line, tree, shapes, pose, between, count)
-        if hidden:
-            c, s = cos(pose[j, 2]), sin(pose[j, 2])
-            first, end = shapes.body_start[j], shapes.body_start[j + 1]
-            for k in range(shapes.part_start[first], shapes.part_start[end]):
-                qx = pose[j, 0] + c * V[k, 0] - s * V[k, 1]
-                qy = pose[j, 1] + s * V[k, 0] + c * V[k, 1]
-                line = Line(x, y, qx, qy)
-                if not is_blocked(line, tree, shapes, pose, between, count):
-                    hidden = False
-                    break
-        out[row] = hidden
+            ox, oy, wide = pose[k, 0] - x, pose[k, 1] - y, reach + radius[k] + MARGIN
+            if k != i and ox * ox + oy * oy < wide * wide:
+                near[many] = k
+                many += 1
+        for row in range(rows.first[i], rows.end[i]):
+            j, count, out[row] = rows.robot[row], 0, False
+            if i == j or isnan(rows.seen[row, 0]):
+                continue
+            dx, dy = pose[j, 0] - x, pose[j, 1] - y
+            far = np.sqrt(dx * dx + dy * dy)
+            for m in range(many):  # those that lie near the way to it
+                k = near[m]
+                ox, oy, wide = pose[k, 0] - x, pose[k, 1] - y, radius[k] + radius[j] + MARGIN
+                if k != j and abs(dx * oy - dy * ox) <= wide * far:
+                    between[count] = k
+                    count += 1
+            line = Line(x, y, pose[j, 0], pose[j, 1])
+            hidden = is_blocked(line, tree, shapes, pose, between, count)
+            if hidden:
+                c, s = cos(pose[j, 2]), sin(pose[j, 2])
+                first, end = shapes.body_start[j], shapes.body_start[j + 1]
+                for k in range(shapes.part_start[first], shapes.part_start[end]):
+                    qx = pose[j, 0] + c * V[k, 0] - s * V[k, 1]
+                    qy = pose[j, 1] + s * V[k, 0] + c * V[k, 1]
+                    line = Line(x, y, qx, qy)
+                    if not is_blocked(line, tree, shapes, pose, between, count):
+                        hidden = False
+                        break
+            out[row] = hidden
 
 
 @compiled

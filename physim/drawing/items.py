@@ -35,7 +35,7 @@ class Item(NamedTuple):
 
     what: str
     """as a legend calls it: safe area, danger area, accessible area, obstacle, reference path,
-    path, way of a mover, boundary, stop, robot, heading, mover, obstacle to push"""
+    path, way of a mover, boundary, stop, robot, heading, wheel, mover, obstacle to push"""
     lines: Sequence[FloatArray]
     """(n, 2) each: lines; rings by the even-odd rule where ``width`` is 0; of stops points (1, 2),
     as many as there are robots in ``robots``"""
@@ -85,6 +85,7 @@ def items(scene: SceneModel) -> list[Item]:
         Item("boundary", scene.boundaries, "wall", 3.0, Level.WALL),
     ]
     stops, known = scene.stops, bool(np.isfinite(scene.start).all())
+    straight = scene.wheels_at(scene.start, np.zeros(scene.robots))
     for robots, key in _together(scene):
         places = [stops[i][None] for i in robots]
         found.append(Item("stop", places, key, 1.0, Level.STOP, robots=robots))
@@ -95,6 +96,8 @@ def items(scene: SceneModel) -> list[Item]:
             marks = [placed(scene.shapes[i].mark, scene.start[i]) for i in robots]
             found.append(Item("robot", bodies, key, 0.0, Level.ROBOT, robots=robots))
             found.append(Item("heading", marks, "paper", 0.0, Level.ROBOT, robots=robots))
+            wheels = [line for i in robots if i in straight for line in straight[i]]
+            found.append(Item("wheel", wheels, "ink", 1.0, Level.ROBOT, robots=robots))
     if np.isfinite(scene.moved_start).all():
         for key, what in (("mover", "mover"), ("obstacle", PUSHED)):
             pairs = zip(scene.moved_starting, scene.moved_keys, strict=True)

@@ -24,11 +24,12 @@ from physim.geometry.shapes import FloatArray, Polylines, Shapes, body_parts
 from physim.geometry.timed_paths import timed_paths, timed_poses
 from physim.parts.declarations import NO_NUMBER, Mode
 from physim.world.ground.area import united
+from physim.world.group import robot_count
 from physim.world.scene import Body
 
 if TYPE_CHECKING:
     from physim.record import Record
-    from physim.world import Mover
+    from physim.world import Mover, World
     from physim.world.scene import Layout
 
 SEAM = 1e-6
@@ -40,6 +41,9 @@ LOOK = 0.05
 """[rad] between two places of the way of a mover that turns"""
 FAR = 0.2
 """Distance of the reference point from the centroid, over the reach, from which it is shown."""
+BESIDE, ROLL = 0.72, 0.17
+"""Front wheels: how far from the middle, over half the width of the robot; half their length, over
+the wheelbase"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +78,9 @@ class SceneModel:
     ways: tuple[tuple[FloatArray, ...], ...]
     """lines (n, 2) of each mover: where its reference point goes; of one that turns at one place
     its outlines at the waypoints"""
+    wheelbase: FloatArray
+    """(N,) from the reference point to the front axle; 0 of a robot that is no car, and in a record
+    that does not tell how wheels were turned"""
     boundaries: tuple[FloatArray, ...]
     """polylines (n, 2)"""
     obstacles: tuple[FloatArray, ...]
@@ -113,6 +120,7 @@ class SceneModel:
             moved=tuple(convex_parts(one.outline) for one in layout.moved),
             moved_start=np.array([one.start for one in layout.moved]).reshape(-1, 3),
             ways=tuple(map(_way, world.movers)),
+            wheelbase=_wheelbases(world),
             boundaries=tuple(drawn.values()),
             obstacles=tuple(layout.obstacles),
             paths=tuple(layout.paths),
@@ -131,10 +139,13 @@ class SceneModel:
         start = record.moving_pose[0] if record.samples else nowhere
         beside = range(record.robots, record.moving)
         movers: tuple[Mover, ...] = ()
+        wheelbase, steers = np.zeros(record.robots), record.holds("/steps/steering")
         is_mover = (record.bodies[body].kind == "mover" for body in beside)
-        if record.judged is None and any(is_mover):  # where a log has them the world does not know
+        # where a log has movers the world does not know
+        if record.judged is None and (steers or any(is_mover)):
             with suppress(PhysimError):  # the world inside is faulty: it shows none
                 movers = record.world.movers
+                wheelbase = _wheelbases(record.world) if steers else wheelbase
         return cls(
             name=record.name,
             seed=record.seed,
@@ -144,6 +155,7 @@ class SceneModel:
             moved=tuple(tuple(body_parts(record.shapes, body)) for body in beside),
             moved_start=start[record.robots :],
             ways=tuple(map(_way, movers)),
+            wheelbase=wheelbase,
             **_walls(record.bodies[record.moving :], record.walls),
             paths=_lines(record.paths),
             reference=_lines(record.reference)[0],
@@ -165,9 +177,9 @@ class SceneModel:
         return tuple(body.name for body in self.bodies[: self.robots])
 
     @property
-    def mover_names(self) -> tuple[str, ...]:
-        """Names of the movers, the first of the M bodies that move beside the robots."""
-        return tuple(body.name for body in self.bodies if body.kind == "mover")
+    def moved_names(self) -> tuple[str, ...]:
+        """Names of the M bodies that move beside the robots; movers come first."""
+        return tuple(body.name for body in self.bodies[self.robots :][: len(self.moved)])
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -212,6 +224,26 @@ class SceneModel:
         each = {path.tobytes(): path for path in self.paths}  # robots may share one
         pieces = {key: split_at(path, nearly) for key, path in each.items()}
         return tuple(pieces[path.tobytes()] for path in self.paths)
+
+    @cached_property
+    def wheels(self) -> dict[int, FloatArray]:
+        """Middles (2, 2) of the front wheels of each car, in its frame."""
+        found = {}
+        for car in np.flatnonzero(self.wheelbase).tolist():
+            low, high = self.outlines[car][:, 1].min(), self.outlines[car][:, 1].max()
+            sides = (low + high + BESIDE * (high - low) * np.array([-1.0, 1.0])) / 2.0
+            found[car] = np.column_stack((np.full(2, self.wheelbase[car]), sides))
+        return found
+
+    def wheels_at(self, pose: FloatArray, steering: FloatArray) -> dict[int, FloatArray]:
+        """Lines (2, 2, 2) of the front wheels of cars at poses (N, 3) and angles (N,) [rad]."""
+        found = {}
+        for car, middles in self.wheels.items():
+            c, s = np.cos(steering[car]), np.sin(steering[car])
+            half = ROLL * self.wheelbase[car] * np.array([c, s])
+            ends = np.stack((middles - half, middles + half), axis=1)
+            found[car] = placed(ends, pose[car])
+        return found
 
     @cached_property
     def moved_shapes(self) -> tuple[Shape, ...]:
@@ -325,6 +357,16 @@ def _way(mover: Mover) -> tuple[FloatArray, ...]:
         for ends, turn in zip(pairwise(times), np.diff(poses[:, 2]).tolist(), strict=True)
     ]
     return (np.concatenate([timed_poses(paths, t)[:, :2] for t in np.concatenate(looks).tolist()]),)
+
+
+def _wheelbases(world: World) -> FloatArray:
+    """`SceneModel.wheelbase` of the robots of a world."""
+    each = []
+    for one in world.robots:
+        is_car = one.drive is not None and one.drive.type == "car"
+        given = one.drive.settings.get("wheelbase") if one.drive and is_car else None
+        each.append(float(given) if isinstance(given, int | float) else 0.0)
+    return np.repeat(each, [robot_count([one]) for one in world.robots])
 
 
 def _polygon(corners: FloatArray) -> shapely.Geometry:

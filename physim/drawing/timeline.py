@@ -54,6 +54,8 @@ class Moment(NamedTuple):
     """(N, 2) [m], NaN where there is none"""
     moving_pose: FloatArray
     """(B, 3) of all that moves, robots first"""
+    steering: FloatArray
+    """(N,) [rad] angles of front wheels, left positive; 0 where none was recorded"""
 
 
 class Curves(NamedTuple):
@@ -129,6 +131,7 @@ class Timeline:
         self.aims = bool(np.isfinite(self._targets).all(axis=1).any())
         """Whether any decision has a target."""
         self._arrived = np.where(record.arrived >= 0, record.arrived * record.dt, np.inf)
+        self._steering = record.steering if record.holds("/steps/steering") else None
         self.contacts = episodes(record)
         is_told = len(self._rows) > 1 or record.judged is not None
         self.modeless = is_told and bool((self._mode == NO_NUMBER).all())
@@ -153,7 +156,8 @@ class Timeline:
             colours = np.array(each, np.uint8)
         every = np.asarray(self._moving_pose[sample], dtype=np.float64)
         pose, targets = every[: self.robots], self._targets[rows]
-        return Moment(time, sample, pose, rows, modes, colours, targets, every)
+        steering = np.zeros(self.robots) if self._steering is None else self._steering[sample]
+        return Moment(time, sample, pose, rows, modes, colours, targets, every, steering)
 
     @property
     def _moving_pose(self) -> FloatArray:
@@ -270,6 +274,8 @@ class Episodes:
 
     began: FloatArray
     """(C,) [s]"""
+    moment: FloatArray
+    """(C,) [s] the same; of a swept contact when the two are closest"""
     ended: FloatArray
     """(C,) [s] first sample apart; after the record's end for a contact that lasts to the end"""
     apart: FloatArray
@@ -357,6 +363,7 @@ def episodes(record: Record) -> Episodes:
     apart[order[1:]] = np.where(again, began[order[1:]] - ended[order[:-1]], np.inf)
     return Episodes(
         began=began,
+        moment=np.array([one.time for one in found], dtype=np.float64),
         ended=ended,
         apart=apart,
         bodies=np.column_stack((a, b)),

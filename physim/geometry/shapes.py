@@ -23,6 +23,7 @@ Rows4 = FloatArray
 Rows5 = FloatArray
 Rows6 = FloatArray
 Rows7 = FloatArray
+Rows8 = FloatArray
 Rows9 = FloatArray
 IntRows2 = IntArray
 """(n, 2)"""

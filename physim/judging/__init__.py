@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from physim.judging.judge import judge
+from physim.judging.steps import MAYBE_DEGREES
 
-__all__ = ["judge"]
+__all__ = ["MAYBE_DEGREES", "judge"]

@@ -32,6 +32,12 @@ LEAST_STEP, LONGEST_STEP = 1e-6, 10.0
 """[s]"""
 USUALLY = 0.95
 """of its samples at which a robot is followed along its path from step to step"""
+PIECE, LEAST_PIECES = 0.2, 3
+"""[m] length of pieces of a course, and how many tell where a robot goes"""
+ASKEW, STRAIGHT = 0.5, 0.2
+"""[rad] off the way that they go, by the median, headings are doubtful, and others fit"""
+MAYBE_DEGREES = "headings may be degrees"
+"""What a note begins with that doubts them"""
 EVERY = "give --every SECONDS for a step of the record"
 
 
@@ -96,6 +102,8 @@ def motion_of(
                     f"that joins them; most of {most}, {share.max():.1%}")  # fmt: skip
     if unread := [one for one in log.columns if one not in COLUMNS]:
         told.append(f"columns not read: {', '.join(unread)}")
+    if not degrees:
+        notes += _doubts(log, tracks)
     return Motion(dt, begun, poses, (*notes, *told))
 
 
@@ -114,6 +122,33 @@ def _unwrapped(log: Log, track: Track, degrees: bool) -> FloatArray:
         )  # fmt: skip
     pose[:, 2] = np.unwrap(pose[:, 2])
     return pose
+
+
+def _doubts(log: Log, tracks: list[Track]) -> Iterator[str]:
+    """What speaks for degrees in a log read as radians: the ways that robots go. Where none goes
+    far, nothing."""
+    found: list[tuple[float, float, str]] = []
+    for given, track in zip(log.tracks, tracks, strict=True):
+        x, y = track.pose[:, :2].T
+        way = np.cumsum(np.hypot(np.diff(x, prepend=x[0]), np.diff(y, prepend=y[0])))
+        _, ends = np.unique((way / PIECE).astype(int), return_index=True)
+        dx, dy = np.diff(x[ends]), np.diff(y[ends])
+        far = np.hypot(dx, dy) > 0.5 * PIECE
+        if far.sum() < LEAST_PIECES:
+            continue
+        median = []
+        for heading in (track.pose[ends, 2], np.radians(given.pose[ends, 2])):
+            apart = np.arctan2(dy, dx) - 0.5 * (heading[1:] + heading[:-1])  # exact on an arc
+            turned = np.remainder(apart[far] + math.pi, 2.0 * math.pi) - math.pi
+            median.append(float(np.median(np.abs(turned))))
+        found.append((median[0], median[1], track.name))
+    small = all((np.abs(one.pose[:, 2]) <= 2.0 * math.pi).all() for one in log.tracks)
+    if small and found and max(found)[0] > ASKEW and max(fits for _, fits, _ in found) < STRAIGHT:
+        off, fits, name = max(found)
+        yield (
+            f"{MAYBE_DEGREES}: read as radians, that of {name} is {math.degrees(off):.0f}° off the "
+            f"way it goes, read as degrees {math.degrees(fits):.0f}°; if they are, give --degrees"
+        )
 
 
 def _gaps(log: Log, track: Track, first: float, last: float, gaps: float | None) -> Iterator[str]:

@@ -108,7 +108,8 @@ class Observation:
     """All that Robot i may know when it decides. World frame, SI units.
 
     Arrays are read-only. What takes time to find out (`LATER`) is made when it is first asked for;
-    whenever that is, it is what was true when the robot decided.
+    whenever that is, it is what was true when the robot decided. What each field means stands below
+    it in the source, and on the page docs/reference/controllers.md.
     """
 
     time: float

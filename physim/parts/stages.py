@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.geometry.path import SHORTEST_WINDOW, track
-from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows3, read_only
+from physim.geometry.shapes import Flags, FloatArray, IntArray, Polylines, Rows3, Rows6, read_only
 from physim.parts.controller import Decisions, Sensed, Snapshot
 from physim.parts.drive import NO_DRIVES
 from physim.world.scene import Scene
@@ -134,6 +134,8 @@ class Observer(Protocol):
         ...
 
 
+BLOCK = 16
+"""Rows that are looked at together"""
 Shared = tuple[IntArray, IntArray, IntArray, FloatArray, FloatArray]
 """Robot, first, end, age and heard of rows"""
 
@@ -179,20 +181,16 @@ def usable_rows(sensed: Sensed, limits: Usable) -> Sensed:
 
     Neighbours beyond its range are told of, and not seen.
     """
-    observers, rows = len(sensed.first), int((sensed.end - sensed.first).sum())
-    taken, first, end = np.empty(rows, np.int64), *np.empty((2, observers), np.int64)
-    pose, velocity = np.empty((2, rows, 3))
-    take_rows(
-        observers, sensed.first, sensed.end, sensed.robot, sensed.pose, sensed.velocity,
-        sensed.reference_station, limits, taken, first, end, pose, velocity,
+    observers, most = len(sensed.first), int((sensed.end - sensed.first).sum())
+    taken, first, end = np.empty(most, np.int64), *np.empty((2, observers), np.int64)
+    beyond = np.empty(most, np.bool_)
+    many = take_rows(
+        observers, sensed.first, sensed.end, len(sensed.robot), sensed.robot, sensed.pose,
+        sensed.reference_station, limits, taken, beyond, first, end,
     )  # fmt: skip
-    count = int(end[-1])
-    kept = taken[:count]
-    return Sensed(
-        sensed.step, sensed.robot[kept], pose[:count], sensed.command[kept], velocity[:count],
-        sensed.reference_station[kept], sensed.age[kept], first, end, sensed.station.copy(),
-        sensed.heard[kept], sensed.drive,
-    )  # fmt: skip
+    rows = kept_rows(sensed, taken[:many])
+    hide_rows(many, beyond, rows.pose, rows.velocity)
+    return rows._replace(first=first, end=end, station=sensed.station.copy())
 
 
 class Usable(NamedTuple):
@@ -221,51 +219,87 @@ def take_rows(
     observers: int,
     first: IntArray,
     end: IntArray,
+    rows: int,
     robot: IntArray,
     pose: Rows3,
-    velocity: Rows3,
     station: FloatArray,
     limits: Usable,
     taken: IntArray,
+    beyond: Flags,
     taken_first: IntArray,
     taken_end: IntArray,
-    taken_pose: Rows3,
-    taken_velocity: Rows3,
-) -> None:
-    """Write the numbers of the rows of every observer, in their order, into ``taken``.
+) -> int:
+    """Write the numbers of the rows of every observer, in their order, into ``taken``: how many.
 
-    And what it sees of them; NaN beyond its range.
+    And which are ``beyond`` its range. Blocks of rows that are all out of reach are not looked at.
     """
     count, square = 0, limits.reach * limits.reach
+    boxes = np.empty((rows // BLOCK + 1, 6), np.float64)
+    put_boxes(rows, pose, station, boxes)
     for i in range(observers):
-        taken_first[i], taken_end[i], me = count, count, first[i]
-        if me == end[i]:
+        taken_first[i], taken_end[i], me, row = count, count, first[i] + i, first[i]
+        if row == end[i]:
             continue
-        while robot[me] != i:
-            me += 1
+        if me >= end[i] or robot[me] != i:
+            me = row
+            while robot[me] != i:
+                me += 1
         x, y, own = pose[me, 0], pose[me, 1], station[me]
-        for row in range(first[i], end[i]):
-            dx, dy, j = pose[row, 0] - x, pose[row, 1] - y, robot[row]
-            is_seen = row == me or limits.reach < 0.0 or dx * dx + dy * dy <= square
-            is_used = is_seen
-            if not is_seen and j < observers and limits.neighbours >= 0.0:
-                if limits.is_listed:
-                    is_used = limits.adjacency[observers * i + j] != 0
-                else:
-                    is_used = abs(station[row] - own) <= limits.neighbours
-            if is_used:
-                taken[count] = row
-                for m in range(3):
-                    taken_pose[count, m] = pose[row, m] if is_seen else np.nan
-                    taken_velocity[count, m] = velocity[row, m] if is_seen else np.nan
-                count += 1
+        while row < end[i]:
+            box, after = boxes[row // BLOCK], min(end[i], BLOCK * (row // BLOCK + 1))
+            dx = max(box[0] - x, x - box[1], 0.0)
+            dy = max(box[2] - y, y - box[3], 0.0)
+            along = max(box[4] - own, own - box[5])
+            is_told = limits.neighbours >= 0.0 and (limits.is_listed or along <= limits.neighbours)
+            if limits.reach >= 0.0 and dx * dx + dy * dy > square and not is_told:
+                row = after
+            while row < after:
+                dx, dy, j = pose[row, 0] - x, pose[row, 1] - y, robot[row]
+                is_seen = row == me or limits.reach < 0.0 or dx * dx + dy * dy <= square
+                is_used = is_seen
+                if is_told and not is_seen and j < observers:
+                    if limits.is_listed:
+                        is_used = limits.adjacency[observers * i + j] != 0
+                    else:
+                        is_used = abs(station[row] - own) <= limits.neighbours
+                if is_used:
+                    taken[count], beyond[count] = row, not is_seen
+                    count += 1
+                row += 1
         taken_end[i] = count
+    return count
+
+
+@compiled
+def put_boxes(rows: int, pose: Rows3, station: FloatArray, out: Rows6) -> None:
+    """Write least and greatest x, y and station of every block of so many rows."""
+    for row in range(rows):
+        box = out[row // BLOCK]
+        if row % BLOCK == 0:
+            for m in range(3):
+                box[2 * m], box[2 * m + 1] = np.inf, -np.inf
+        for m in range(3):
+            value = pose[row, m] if m < 2 else station[row]
+            if value < box[2 * m]:
+                box[2 * m] = value
+            if value > box[2 * m + 1]:
+                box[2 * m + 1] = value
+
+
+@compiled
+def hide_rows(many: int, hidden: Flags, pose: Rows3, velocity: Rows3) -> None:
+    """Make ``hidden`` ones of so many rows unseen."""
+    for row in range(many):
+        if hidden[row]:
+            for m in range(3):
+                pose[row, m], velocity[row, m] = np.nan, np.nan
 
 
 def kept_rows(sensed: Sensed, kept: NDArray[Any]) -> Sensed:
     """Copies of some rows, by a mask or their numbers; ``first`` and ``end`` are as before."""
     names = ("robot", "pose", "command", "velocity", "reference_station", "age", "heard")
-    return sensed._replace(**{name: getattr(sensed, name)[kept] for name in names})
+    at = kept.nonzero()[0] if kept.dtype == np.bool_ else kept
+    return sensed._replace(**{name: getattr(sensed, name).take(at, axis=0) for name in names})
 
 
 def observer_of_row(sensed: Sensed) -> IntArray:

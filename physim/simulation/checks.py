@@ -122,7 +122,7 @@ def _beyond(command: FloatArray, column: int, scene: Scene, i: int, limits: Floa
         return (
             f"command omega = {command[1]:g} rad/s at v = {command[0]:g} m/s; its drive turns by "
             f"{bend:.6g} rad for each metre at most, so {abs(command[0]) * bend:.6g} rad/s at that "
-            "speed"
+            "speed; observation.vehicle.clipped(v, omega, time) gives the nearest command"
         )
     value, most = float(command[column]), float(limits[i, column])
     quantity, unit = COMMAND[column]

@@ -7,6 +7,7 @@ allow. What each stage is for: `physim.parts.stages`.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from typing import Any, SupportsIndex
@@ -63,6 +64,10 @@ class Simulation(Present):
     `simulate` stops there. A copy (`copy.deepcopy`, pickle) goes on like the original; it has no
     observers, and shares the controller and the stages, which are settings only.
     """
+
+    decision_times: list[float] | None = None
+    """[s] of processor time that decisions took, those of one step shared by the robots that were
+    due; None: not measured"""
 
     def __init__(
         self,
@@ -260,7 +265,10 @@ class Simulation(Present):
             return Decided(self.now.command)
         due = read_only((self.next_decision <= self.now.step).nonzero()[0])
         view = self._view_of(self._sense(due)[0])
+        began = time.thread_time()
         decided = decide(self._asked, view, due, self.now.command, self.memory)
+        if self.decision_times is not None:
+            self.decision_times.append((time.thread_time() - began) / len(due))
         if decided.decisions is not None:
             self.mode = replaced(self.mode, due, decided.decisions.mode)
         self.next_decision = replaced(self.next_decision, due, decided.next_step)

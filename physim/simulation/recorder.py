@@ -9,9 +9,10 @@ from __future__ import annotations
 import os
 import shutil
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -159,15 +160,17 @@ class Recorder:
         """Write what is left; `finish` closes the record itself."""
         self._write(last=True)
 
-    def finish(self, ended: str) -> None:
-        """Close the record itself, once nothing more is taken down."""
+    def finish(self, ended: str, clock: Mapping[str, float] = MappingProxyType({})) -> None:
+        """Close the record itself, once nothing more is taken down; ``clock`` are further figures
+        of the wall clock."""
         elapsed = time.perf_counter() - self.made
         self.writer.close(
             ended,
             steps_run=self.begun + self.taken,
             rejected=self.rejected,
             wall_clock={
-                "seconds": elapsed, "factor": self.taken * self.scene.dt / max(elapsed, 1e-9)
+                "seconds": elapsed, "factor": self.taken * self.scene.dt / max(elapsed, 1e-9),
+                **clock,
             },
         )  # fmt: skip
 

@@ -91,6 +91,7 @@ def record_run(
     others = listed("observers", observers)
     recorder = recording(simulation, save=save, path=path, overwrite=overwrite, origin=origin)
     ended, late = "error", None
+    times = simulation.decision_times = []
     try:
         for observer in (recorder, *others):
             simulation.look_on(observer)
@@ -102,8 +103,11 @@ def record_run(
         if ended == "error":
             _close(simulation, ended)  # the error that ended the run is the one to report
             recorder.close(ended)
-        simulation.observers = []
-        recorder.finish(ended)
+        simulation.observers, simulation.decision_times = [], None
+        clock = {}
+        if times:
+            clock = {"decision_median": np.median(times), "decision_99": np.quantile(times, 0.99)}
+        recorder.finish(ended, clock)
     record = recorder.writer.record()
     if late is not None:
         raise LateError(str(late), record) from late

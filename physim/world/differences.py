@@ -53,6 +53,17 @@ def stages_apart(
     return rest, words
 
 
+def key_in_words(key: str) -> str:
+    """``formation gain``, ``duration``, ``sensing stage 1 deviation``: a dotted key in words."""
+    words: list[str] = []
+    for part in key.removeprefix("time.").removesuffix(".type").split("."):
+        if part.isdigit():  # an entry of robots may be many robots
+            words[-1] = "robots entry" if words[-1] == "robots" else words[-1].removesuffix("s")
+            part = str(int(part) + 1)
+        words.append(part.replace("_", " "))
+    return " ".join(words)
+
+
 def _values(value: Any, key: str = "") -> Iterator[tuple[str, str]]:
     """Every plain value in a world with its dotted key."""
     parts = value.items() if isinstance(value, Mapping) else enumerate(value)

@@ -30,6 +30,14 @@ def test_a_new_world_is_the_shipped_one_with_every_key_explained(like: str) -> N
             assert re.search("#.*[a-z]{3}", line) or "#" in above, line
 
 
+def test_examples_of_keys_that_are_left_out_are_valid() -> None:
+    text = re.sub(r"^#(?=\w)", "", new_text("w", "ten_robots"), flags=re.MULTILINE)
+    world = parse_world(text)
+    assert [one.type for one in world.sensing.stages] == ["noise", "messages"]
+    assert [one.type for one in world.disturbances] == ["actuation"]
+    assert [one.name for one in world.movers] == ["cart"]
+
+
 def test_a_group_may_have_another_count() -> None:
     assert parse_world(new_text("w", "hundred_robots", 20)).robot_count == 20
     for like, robots, *parts in (

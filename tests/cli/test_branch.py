@@ -176,7 +176,8 @@ def test_film_and_page_show_both_and_where_they_part() -> None:
     for name in ("record.h5", "summary.json", "video.mp4", "both.mp4", "both.html"):
         assert Path("branch", name).stat().st_size > 1000
     page = Path("branch/both.html").read_text()
-    assert "original and branch; controller.type: mode_switching / path_following" in page
+    told = "original, and branch from 2 s on: controller path_following instead of mode_switching"
+    assert told in page
     assert f"parts from {parted[1]} s on ({parted[2]} first)" in page
     assert '["original", "branch at 2 s"]' in page
     with Record.load(path) as whole, Record.load("branch") as branch, Record.load(path) as twin:

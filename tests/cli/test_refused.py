@@ -305,7 +305,7 @@ def test_every_command_names_itself_when_it_refuses_an_option(name: str, capsys)
     needed = {
         "import": ["a", "-o", "b"], "list": [], "schema": [], "crashtest": [], "reproduce": [],
         "branch": ["a", "--at", 1], "judge": ["a", "--world", "b"],
-        "bear": ["a", "--vary", "x", "--target", 0.9, "--most", 1],
+        "bear": ["a", "--vary", "x", "--target", 0.9, "--most", 1], "league": [],
     }.get(name, ["a"])  # fmt: skip
     done = physim(name, *needed, "--no-such-thing", 3, capture=capsys)
     assert (done.code, done.out) == (2, "")

@@ -330,6 +330,8 @@ def test_list_names_every_world_and_controller(
     assert done.code == 0
     listed = json.loads(done.out)
     assert listed.pop("worlds") == shipped_worlds()
+    grouped = {group: listed.pop(group) for group in ("league", "training")}
+    assert grouped == {group: shipped_worlds(group) for group in grouped}
     assert listed.pop("controllers") == part_names(CONTROLLER)
     for kind, key in ((SENSING, "sensing"), (DISTURBANCE, "disturbances"), (DRIVE, "drives")):
         assert listed.pop(key) == part_names(kind)
@@ -338,3 +340,4 @@ def test_list_names_every_world_and_controller(
     shown = physim("list", capture=capsys).out
     for name, line in {**shipped_worlds(), **part_names(CONTROLLER)}.items():
         assert any(name in row and line in row for row in shown.splitlines())
+    assert all(name.split("/")[1] in shown for names in grouped.values() for name in names)

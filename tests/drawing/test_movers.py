@@ -106,6 +106,8 @@ def test_a_preview_and_a_record_show_the_same_ones(record: Record, tmp_path: Pat
     save_preview(layout, tmp_path / "yard.svg")
     drawn = (tmp_path / "yard.svg").read_text()
     assert "cart" in drawn
+    assert "obstacle 1" in drawn  # that can be pushed
+    assert "obstacle 2" not in drawn
     assert palette.hexed(MOVER) in drawn
     before, after = SceneModel.of_layout(layout), SceneModel.of_record(record)
     assert before.bodies == after.bodies

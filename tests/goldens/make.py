@@ -54,7 +54,7 @@ SECONDS = 2.0
 COMMANDS = (
     "", "list", "run", "summary", "plot", "video", "page", "validate", "check-controller",
     "crashtest", "new", "import", "check", "preview", "schema", "sweep", "replay", "report",
-    "compare", "bear", "falsify", "reproduce",
+    "compare", "bear", "falsify", "league", "reproduce",
 )  # fmt: skip
 
 

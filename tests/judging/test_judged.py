@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -13,12 +14,13 @@ from shapely import affinity
 
 import physim
 from physim import Kind, Phase, PhysimError, Record
+from tests.cli.commands import physim as command
 from tests.helpers import inside
 from tests.helpers.words import facts
 
 SceneModel = inside("physim.drawing.scene_model", "SceneModel")
 Figures = inside("physim.analysis.metrics", "Figures")
-warning_lines = inside("physim.analysis.validation", "warning_lines")
+report, warning_lines = inside("physim.analysis.validation", "report", "warning_lines")
 
 WORLD = """\
 name: hall
@@ -178,6 +180,31 @@ def test_collision_times_are_those_of_the_motion_seen(tmp_path: Path) -> None:
     assert turned.pose[0, 0, 2] == math.pi / 2
 
 
+def test_small_headings_that_may_be_degrees_are_doubted(tmp_path: Path, capsys) -> None:
+    def log(heading: float, course: float, speed: float = 0.5) -> Path:
+        c, s = speed * math.cos(course), speed * math.sin(course)
+        rows: list[list[object]] = [
+            [round(0.1 * k, 6), name, 2.0 + 0.1 * k * c, y + 0.1 * k * s, heading]
+            for k in range(41)
+            for name, y in (("alpha", 1.0), ("beta", -1.0))
+        ]
+        return written(tmp_path / "log.csv", rows)
+
+    def doubts() -> list[str]:
+        record = physim.judge(tmp_path / "log.csv", hall())
+        return [note for note in record.judged.notes if "degrees" in note]
+
+    for heading, course, speed in ((0.05, 0.05, 0.5), (1.57, 0.6, 0.5), (3.0, 0.05, 0.01)):
+        log(heading, course, speed)
+        assert not doubts()
+    log(3.0, math.radians(5.0))
+    hall().save(tmp_path / "hall.yaml")
+    assert re.search(facts("beta", "167°", "2°", "--degrees"), doubts()[0])
+    given = ("judge", tmp_path / "log.csv", "--world", tmp_path / "hall.yaml", "--quiet")
+    done = command(*given, "-o", tmp_path / "out", capture=capsys)
+    assert re.fullmatch(r"WARNING  headings may be degrees: .*\n", done.err)
+
+
 def test_movers_and_boxes_are_in_the_log_like_robots(tmp_path: Path) -> None:
     world = hall(
         """\
@@ -235,6 +262,25 @@ def test_nothing_is_said_that_poses_do_not_tell(touching: Record, tmp_path: Path
     assert any("NOT CHECKED" in line for line in warning_lines(found))
     physim.page(touching).write(tmp_path / "page.html")
     assert "log log.csv" in (tmp_path / "page.html").read_text()
+
+
+def test_a_graze_counts_in_distances_and_is_shown_at_its_moment(tmp_path: Path) -> None:
+    """Corners pass each other half way between the samples at 3 and 4 s, 2 cm too near."""
+    rows: list[list[object]] = []
+    for k in range(8):
+        rows.append([k, "alpha", 5.0 + 0.4 * k, 0.5556, math.pi / 4])
+        rows.append([k, "beta", 7.5172 - 0.4 * k, -0.5557, math.pi / 4])
+    world = hall("expect: {min_distance: 0.05}\n")
+    record = physim.judge(written(tmp_path / "log.csv", rows), world, jumps=True)
+    (graze,) = Figures(record).grazes
+    assert graze.time == pytest.approx(3.5, abs=0.01)
+    nearest = physim.metrics.measure(record)["shortest_distance"]
+    assert (nearest.value, nearest.time) == (-graze.depth, graze.time)
+    assert nearest.value == pytest.approx(-0.02 * math.sqrt(0.5), abs=1e-3)
+    found = physim.validate(record)
+    assert [one.key for one in found.missed] == ["min_distance"]
+    assert f"deep, at {graze.time:.2f} s" in " ".join(report(found).split())
+    assert f"#t={graze.time:.3f}" in physim.page(record).html
 
 
 def test_no_run_goes_on_from_a_log(touching: Record, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from markdown_it import MarkdownIt
 
 from tests.helpers import inside
 
-html, markdown = inside("physim.reproduction", "html", "markdown")
+pages, HTML, MARKDOWN = inside("physim.reproduction", "pages", "HTML", "MARKDOWN")
 Report, Section = inside("physim.reproduction", "Report", "Section")
 Outcome, Verdict = inside("physim.reproduction", "Outcome", "Verdict")
 
@@ -74,7 +74,7 @@ def folder(tmp_path: Path) -> Path:
     "name", [HOSTILE, "</td></table><b>bold</b>", '" onerror="alert(1)', "&lt;b&gt; &#60;"]
 )
 def test_names_in_html_are_only_names(name: str, folder: Path) -> None:
-    seen = Reader(html(report(name), folder))
+    seen = Reader(pages(report(name), folder)[HTML])
     assert seen.open == []
     assert {tag for tag, _ in seen.tags} <= TAGS
     assert " ".join(seen.words.split()).count(" ".join(name.split())) >= 8
@@ -82,7 +82,7 @@ def test_names_in_html_are_only_names(name: str, folder: Path) -> None:
 
 
 def test_html_needs_nothing_but_the_videos(folder: Path) -> None:
-    text = html(report("x"), folder)
+    text = pages(report("x"), folder)[HTML]
     links = [a.get(key) or "" for _, a in Reader(text).tags for key in ("src", "href") if key in a]
     pictures = [link for link in links if link.startswith("data:image/png;base64,")]
     assert base64.b64decode(pictures[0].split(",")[1]) == PNG
@@ -92,10 +92,10 @@ def test_html_needs_nothing_but_the_videos(folder: Path) -> None:
     assert "http" not in text.replace("http-equiv", "")
 
 
-def test_names_in_markdown_are_only_names() -> None:
+def test_names_in_markdown_are_only_names(folder: Path) -> None:
     """As any reader of Markdown sees them, also one that follows raw HTML."""
     parser = MarkdownIt("commonmark").enable("table")
-    seen = Reader(parser.render(markdown(report(HOSTILE))))
+    seen = Reader(parser.render(pages(report(HOSTILE), folder)[MARKDOWN]))
     tags = {tag for tag, _ in seen.tags}
     assert not tags & {"script", "em", "hr", "h4"}
     assert {"table", "pre", "code", "h1"} <= tags

@@ -5,7 +5,7 @@ from __future__ import annotations
 from physim.world.file import load_world, parse_world
 from tests.helpers import STRAIGHT, inside
 
-differences = inside("physim.world", "differences")
+differences, key_in_words = inside("physim.world", "differences", "key_in_words")
 
 
 def test_differences_are_told_by_key_with_both_values() -> None:
@@ -27,6 +27,17 @@ def test_differences_are_told_by_key_with_both_values() -> None:
         "controller.type": ("mode_switching", "constant"),
         "expect.contacts": ("0", "default"),
     }
+
+
+def test_a_key_is_told_in_words() -> None:
+    for key, words in (
+        ("controller.type", "controller"),
+        ("controller.time_low", "controller time low"),
+        ("time.duration", "duration"),
+        ("robots.1.controller.type", "robots entry 2 controller"),
+        ("sensing.stages.0.deviation", "sensing stage 1 deviation"),
+    ):
+        assert key_in_words(key) == words
 
 
 def test_what_only_one_world_has_is_none_in_the_other() -> None:

@@ -38,7 +38,8 @@ from physim.contacts import Kind, Phase, allowed_depth, touching
 from physim.errors import place_text
 from physim.geometry.motion import Twist, chord_velocity, twists
 from physim.geometry.polygon import signed_area
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, read_only
+from physim.geometry.swept import Least, least_gap
 from physim.record import Record
 from physim.world import Physics
 from physim.world.scene import DENSITY
@@ -59,7 +60,8 @@ class Touch:
     step: int
     """first sample; of a graze the one at the end of its step"""
     time: float
-    """[s] of that sample"""
+    """[s] of that sample; of a graze when the two are closest, or the middle of its step where
+    recorded poses do not tell that"""
     depth: float
     """[m] greatest depth"""
     place: tuple[float, float]
@@ -123,10 +125,24 @@ def grazes(record: Record) -> tuple[Graze, ...]:
     of_robot = record.contacts["a"] < record.robots
     rows = record.contacts[(record.contacts["kind"] == Kind.SWEPT) & of_robot]
     columns = (rows[key].tolist() for key in ("a", "b", "step", "depth", "x", "y", "nx", "ny"))
-    return tuple(
-        Graze(a, b, b < record.robots, step, step * record.dt, depth, (x, y), (nx, ny))
-        for a, b, step, depth, x, y, nx, ny in zip(*columns, strict=True)
-    )
+    found = []
+    for a, b, step, depth, x, y, nx, ny in zip(*columns, strict=True):
+        within = 0.5 * record.dt
+        if np.isin((step - 1, step), record.steps).all():
+            within = float(least_in_step(record, a, b, step).time)
+        time = (step - 1) * record.dt + within
+        found.append(Graze(a, b, b < record.robots, step, time, depth, (x, y), (nx, ny)))
+    return tuple(sorted(found, key=lambda one: one.time))
+
+
+def least_in_step(record: Record, a: int, b: int, step: int) -> Least:
+    """Least signed distance [m] of two bodies, and when, within the step that ends at a sample."""
+    shapes = record.shapes
+    old, new = record.pose_at(step - 1), record.pose_at(step)
+    if b < record.moving:
+        return least_gap(shapes, a, old[a], new[a], shapes, b, old[b], new[b], record.dt)
+    still, w = read_only(np.zeros(3)), b - record.moving
+    return least_gap(record.walls, w, still, still, shapes, a, old[a], new[a], record.dt)
 
 
 @dataclass(frozen=True)

@@ -78,19 +78,25 @@ class Figures:
     @cached_property
     def nearest(self) -> Moment | None:
         """The shortest distance [m] of two robots, (11); negative = depth."""
-        return self._shortest("clearance", "clearance")
+        moved = [one for one in self.grazes if one.b < self.record.moving]
+        return self._shortest("clearance", "clearance", moved)
 
     @cached_property
     def nearest_wall(self) -> Moment | None:
         """The shortest distance [m] of a robot to a boundary or obstacle; negative = depth."""
-        return self._shortest("boundary_clearance", "boundary")
+        walls = [one for one in self.grazes if one.b >= self.record.moving]
+        return self._shortest("boundary_clearance", "boundary", walls)
 
-    def _shortest(self, value: str, which: str) -> Moment | None:
+    def _shortest(self, value: str, which: str, grazed: list[Graze]) -> Moment | None:
+        """The shortest at a sample, or that of the deepest contact between two."""
         rows = self.record.extremes
         if not (rows[f"{which}_step"] >= 0).any():
             return None
         who = int(np.argmin(rows[value]))
         row = rows[who]
+        if grazed and -(deepest := max(grazed, key=lambda one: one.depth)).depth < row[value]:
+            less, a, b = 0.0 - deepest.depth, deepest.a, deepest.b
+            return Moment(less, deepest.step, deepest.time, a, b)
         return Moment.at(self.record, row[value], row[f"{which}_step"], who, row[f"{which}_other"])
 
     @cached_property
@@ -304,6 +310,9 @@ DEFINITIONS = MappingProxyType({one.name: one for one in (
     Definition("stop_distance", "m", "largest distance of a robot from its stop station at "
                "the end, if all have arrived", "-",
                lambda run: progress.stop_distance(run.record)),
+    Definition("standstill", "s", "time before the end over which no robot that had not arrived "
+               "advanced 0.1 m along its path; 0 if all arrived", "-",
+               lambda run: progress.standstill(run.record)),
     Definition("contacts", "-",
                "contact episodes: maximal runs of samples at which two bodies touch", "-",
                _contacts),
@@ -374,6 +383,12 @@ DEFINITIONS = MappingProxyType({one.name: one for one in (
     Definition("averaged_rotation_max", "rad/s", "largest rotational speed averaged over 10 s in "
                "which the robot is active: fastest turn to the left", "Figs. 1c, 7b",
                lambda run: _averaged(run, run.averaged.rotational, largest=True)),
+    Definition("speed_changes", "m/s^2", "sum of the changes of the commanded forward speed, by "
+               "size, per second of active time of a mean robot", "-",
+               lambda run: motion.command_changes(run.record, 0)),
+    Definition("rotation_changes", "rad/s^2", "sum of the changes of the commanded rotational "
+               "speed, by size, per second of active time of a mean robot", "-",
+               lambda run: motion.command_changes(run.record, 1)),
     Definition("width_min", "m", "least corridor width along the first robot's path, every "
                "0.1 m: shortest distance to the left boundary plus that to the right one",
                "Fig. 4", lambda run: _width(run, largest=False)),

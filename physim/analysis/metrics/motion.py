@@ -103,6 +103,22 @@ def mean_speed(record: Record) -> float | None:
     return distance / total if total > 0 else None
 
 
+def command_changes(record: Record, column: int) -> float | None:
+    """Sum of the changes of a number of the nominal commands, by size, per second of active time.
+
+    ``column`` 0: v [m/s^2], 1: omega [rad/s^2]; of a mean robot. What a drive, a disturbance or the
+    physics makes of the commands has no say. None where no robot was active.
+    """
+    ends, sums, before = active_steps(record), np.zeros(record.robots), None
+    for first, last in blocks(record):
+        values = record.commands_over("nominal", first, last)[:, :, column]
+        changes = np.abs(np.diff(values, axis=0, prepend=values[:1] if before is None else before))
+        sums += (changes * (np.arange(first, last)[:, None] < ends)).sum(axis=0)
+        before = values[-1:]
+    found = ratio(sums, (ends - record.begun_at) * record.dt)
+    return None if found is None else found.value
+
+
 def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID) -> AveragedSpeeds:
     """Speeds averaged over ``window`` [s] about each moment (Figs. 1c, 7b, 7c).
 

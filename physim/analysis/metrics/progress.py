@@ -31,6 +31,8 @@ BACKWARDS = 90.0
 """[deg] from the direction of its path beyond which it is said to be turned"""
 MOST_MOMENTS = 2_000_000
 """Values of a course of all robots, about: of longer runs moments are farther apart."""
+ADVANCE = 0.1
+"""[m] along its path by which a robot must come farther than ever before, else it got nowhere"""
 LATELY = 5.0
 """[s] before the end of a run that show how far a robot came of late"""
 LITTLE = 0.5
@@ -95,6 +97,22 @@ def finished(record: Record) -> bool:
 def time_to_finish(record: Record) -> float | None:
     """Time at which the last robot had arrived [s]; None for a run that did not finish."""
     return float(record.arrived.max() * record.dt) if finished(record) else None
+
+
+def standstill(record: Record) -> float | None:
+    """For how long [s] before the end no robot advanced `ADVANCE` along its path, unless it had
+    arrived; 0 of a run that finished, None without samples.
+
+    A robot advances where its station is larger than ever before, so that one that goes to and fro
+    gets nowhere.
+    """
+    if not record.samples or not record.robots:
+        return None
+    late = record.arrived < 0
+    farthest = np.maximum.accumulate(record.course[:, late, 0], axis=0)
+    came = farthest[-1] - farthest
+    since = int(np.argmax((came < ADVANCE).all(axis=1)))
+    return float(record.time[-1] - record.time[since]) if late.any() else 0.0
 
 
 def stop_distance(record: Record) -> Each | None:

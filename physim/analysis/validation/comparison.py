@@ -26,6 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.analysis.metrics.contacts import least_in_step
 from physim.analysis.validation.analytic_contacts import (
     AnalyticContacts,
     pair_distance,
@@ -37,8 +38,7 @@ from physim.contacts import Kind, Phase, touching
 from physim.errors import RecordError
 from physim.geometry.bodies import describe_contacts
 from physim.geometry.clearance import clearances
-from physim.geometry.shapes import FloatArray, IntArray, joined_shapes, read_only
-from physim.geometry.swept import least_gap
+from physim.geometry.shapes import FloatArray, IntArray, joined_shapes
 from physim.geometry.walls import build_wall_tree
 from physim.record import Record
 from physim.record.writer import Extremes
@@ -247,7 +247,8 @@ def _swept_contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Find
     )
     for place in sorted({*theirs, *ours}):
         step, a, b = place
-        row, graze, least = theirs.get(place), ours.get(place), _least(record, a, b, step)
+        row, graze = theirs.get(place), ours.get(place)
+        least = float(least_in_step(record, a, b, step).distance)
         cause, what = GRAZE, "touching between two samples, apart at both"
         if row is None or graze is None:
             cause = TOLERANCE if abs(least) <= NEAR_TOUCH else UNEXPLAINED
@@ -267,18 +268,6 @@ def _swept_contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Find
             continue  # no engine overlooked it
         time = (step - 1) * record.dt + (record.dt if graze is None else float(graze["entry"]))
         yield Finding(what, (a, b), step, time, 1, least, cause)
-
-
-def _least(record: Record, a: int, b: int, step: int) -> float:
-    """Least signed distance [m] of two bodies within the step that ends at a sample."""
-    shapes = record.shapes
-    old, new = record.pose_at(step - 1), record.pose_at(step)
-    if b < record.moving:
-        found = least_gap(shapes, a, old[a], new[a], shapes, b, old[b], new[b], record.dt)
-    else:
-        still, w = read_only(np.zeros(3)), b - record.moving
-        found = least_gap(record.walls, w, still, still, shapes, a, old[a], new[a], record.dt)
-    return float(found.distance)
 
 
 def _false_contacts(record: Record) -> Iterator[Finding]:

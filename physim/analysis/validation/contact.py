@@ -15,6 +15,7 @@ from physim.analysis.validation.prediction import Prediction, Predictor
 from physim.analysis.validation.responsibility import RobotInContact, robots_in_contact
 from physim.geometry.path import path_length, project
 from physim.record import Record
+from physim.units import between
 
 UNKNOWN = Severity(math.nan, math.nan, None, None)
 
@@ -31,7 +32,9 @@ class Contact:
     a: int
     b: int
     time: float
-    """[s] of the first sample in contact; between samples, of the one after it"""
+    """[s] of the first sample in contact; between samples, when the two are closest"""
+    within: float = 0.0
+    """[s] length of the step in which one between samples lies; 0 of one at samples"""
     place: tuple[float, float]
     """[m] world frame, at that sample; between samples, where the two are closest"""
     station: float
@@ -66,6 +69,14 @@ class Contact:
     """where along a wall, `physim.analysis.metrics.distances.along_wall`; empty between robots"""
 
     @property
+    def when(self) -> str:
+        """``at 4.50 s``, or ``between 4.00 and 4.50 s``."""
+        if not self.within:
+            return f"at {self.time:.2f} s"
+        step = math.ceil(self.time / self.within - 1e-9)
+        return between(step * self.within, self.within)
+
+    @property
     def hardness(self) -> tuple[float, float, float]:
         """Greater for the worse contact: closing speed, then energy lost, then impulse."""
         closing = 0.0 if math.isnan(self.severity.closing) else self.severity.closing
@@ -74,9 +85,10 @@ class Contact:
 
 def swept_contacts(record: Record, table: DecisionTable) -> tuple[Contact, ...]:
     """Every recorded contact between two samples, in the order of time."""
-    found, more = enumerate(Figures(record).grazes, 1), {}
+    found = enumerate(Figures(record).grazes, 1)
+    more: dict[str, float | None] = {"within": record.dt}
     if record.judged is not None:
-        more = dict.fromkeys(("first_impulse", "impulse"))
+        more |= dict.fromkeys(("first_impulse", "impulse"))
     return tuple(_contact(record, table, one, number=number, **more) for number, one in found)
 
 

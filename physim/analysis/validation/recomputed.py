@@ -169,7 +169,9 @@ def _check_decisions(record: Record, inside: Inside) -> tuple[list[Finding], int
     kind = record.setup.controller_names
     types = {one.type for one in inside.scene.world.drivers()}
     own_ones = joined(sorted(types.difference(shipped_parts(CONTROLLER))) or [""])
-    if SENSING.word in inside.stages:
+    if not len(rows):
+        why_not = "the run made no decision"
+    elif SENSING.word in inside.stages:
         why_not = "what robots sensed is not in the record"
     elif own is not None and own_ones:
         why_not = f"{own_ones} is not shipped with physim, and need not decide alike twice"
@@ -177,7 +179,7 @@ def _check_decisions(record: Record, inside: Inside) -> tuple[list[Finding], int
         why_not = "the record declares others"
     elif record.begun_at:
         why_not = "the run went on from the state of another"
-    if why_not or own is None or not len(rows):
+    if why_not or own is None:
         return found, 0, why_not
     try:
         again = run_led(record, inside.scene)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator
 from math import isfinite
+from pathlib import Path
 from statistics import median
 
 from physim.analysis.validation.comparison import Confusion
@@ -16,7 +18,7 @@ from physim.analysis.validation.validation import Validation
 from physim.errors import plural
 from physim.record.layout import STANDING
 from physim.tolerances import CONTACT, ONE_STEP
-from physim.units import amount, between, joined, length, span
+from physim.units import amount, joined, length, span
 
 MOST_LISTED = 20
 """Disagreements of one sort, and predictions, that are listed one by one"""
@@ -24,6 +26,8 @@ MOST_PAIRS = 5
 """Pairs that have a line unless all is told"""
 MOST_TOLD, MOST_TOLD_IN_FULL = 3, 100
 """Contacts that are told in sentences"""
+BEFORE = 2.0
+"""[s] before the first contact from which a branch is proposed"""
 MOST_NAMED = 6
 """Boundaries and obstacles that are named"""
 ENDS = {
@@ -106,11 +110,9 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
     walls, movers = sum(one.b >= run.moving for one in every), ""
     if run.moving > run.robots:
         movers = f"{len(every) - robots - walls} with movers or what can be pushed, "
-    is_graze = first.prediction is None
-    when = between(first.time, run.dt) if is_graze else f"at {first.time:.2f} s"
     head = (
         f"CONTACTS: {robots} between robots, {movers}{walls} with boundaries or obstacles, "
-        f"in {run.seconds:.2f} s, first {when}, {names[first.a]} and {names[first.b]}"
+        f"in {run.seconds:.2f} s, first {first.when}, {names[first.a]} and {names[first.b]}"
     )
     lines = wrapped(head, "", "  ")
     if swept := len(validation.grazes):
@@ -129,6 +131,8 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
             "Where the robot stood, the mover ran into it."
         )
         lines += wrapped(said, "  ", "    ")
+    if command := _branch(validation, first.time):
+        lines.append(f"  Go on from before the first, with a change: {command}")
     if validation.undisturbed is not None:
         for text in validation.undisturbed.sentences(names, full):
             lines += wrapped(text, "  ", "    ")
@@ -141,6 +145,16 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
             f"  and {left} more ({'--json FILE has all' if full else '--full prints them'})"
         )
     return lines
+
+
+def _branch(validation: Validation, time: float) -> str:
+    """The command that goes on from before a moment [s] of a run in a file; else empty."""
+    run = validation.run
+    if run.setup.judged is not None or Path(run.source).suffix not in (".h5", ".hdf5"):
+        return ""
+    at = max(run.begun, round((time - BEFORE) / run.dt) * run.dt)
+    own = f" --original {run.controller}" if ":" in run.controller else ""
+    return f"physim branch {shlex.quote(run.source)} --at {at:.10g}{own}"
 
 
 def _nearest(one: NearMiss, names: list[str]) -> str:
@@ -157,15 +171,21 @@ def _pair_rows(
 ) -> list[str]:
     """A table of the pairs that touched; each has its worst contact first."""
     width = max(len(f"{names[a]} and {names[b]}") for a, b in pairs)
-    head = "contacts  first at  in contact   closing  deepest        impulse   responsible"
-    lines = [f"  {'worst first':<{width}}  {head}"]
+    first = {
+        key: min(some, key=lambda one: one.time).when.removeprefix("at ")
+        for key, some in pairs.items()
+    }
+    head = "first at"
+    wide = max(map(len, [head, *first.values()]))
+    head = f"{head:>{wide}}  in contact   closing  deepest        impulse   responsible"
+    lines = [f"  {'worst first':<{width}}  contacts  {head}"]
     for (a, b), some in list(pairs.items())[:most]:
         who = sorted({i for one in some for i in one.responsible})
         closing = some[0].severity.closing
         speed = f"{closing:.2f} m/s" if isfinite(closing) else "-"
         lines.append(
             f"  {f'{names[a]} and {names[b]}':<{width}}  {len(some):>8}"
-            f"  {min(one.time for one in some):>6.2f} s"
+            f"  {first[a, b]:>{wide}}"
             f"  {sum(one.duration for one in some):>8.2f} s"
             f"  {speed:>8}"
             f"  {length(max(one.depth for one in some)):>7}"

@@ -38,19 +38,18 @@ def _what(one: Contact, names: Sequence[str]) -> str:
     touch = " against ".join(bodies if len(bodies) > 1 else [*bodies, names[one.b]])
     motion = f"closing at {one.severity.closing:.2f} m/s, sliding at {one.severity.sliding:.2f} m/s"
     if one.prediction is None:
-        motion = "between two samples, apart at both"
+        motion = "apart at both samples"
     elif one.time == 0.0:
         motion = "in contact from the start"
     if one.also_touching:
         motion += f", already touching {joined([names[i] for i in one.also_touching])}"
-    return (
-        f"At {one.time:.2f} s: {touch}, {motion}, {one.along or f'at {place_text(*one.place, 4)}'}."
-    )
+    when = one.when[0].upper() + one.when[1:]
+    return f"{when}: {touch}, {motion}, {one.along or f'at {place_text(*one.place, 4)}'}."
 
 
 def _how_hard(one: Contact, names: Sequence[str]) -> str:
     if one.prediction is None:
-        return f"It is {length(one.depth)} deep."
+        return f"It is {length(one.depth)} deep, at {one.time:.2f} s."
     lasts = f"It lasts {one.duration:.2f} s"
     if one.lasting:
         lasts = f"It lasts to the end of the run, {one.duration:.2f} s"

@@ -174,12 +174,22 @@ class Validation:
 
         Contacts between samples are counted apart: ``contacts: N of P pairs at samples, M between
         samples``. What the world expects and did not get stands behind: ``; not as expected:
-        finished``.
+        finished``. Of a run that broke off: ``broke off with an error at 2.50 s; no contact until
+        then``.
         """
         if found := self._disagreeing():
             return f"checks disagree: {'; '.join(found)}"
         missed = ", ".join(one.key for one in self.missed if one.key != "contacts")
-        return self._touching() + (f"; not as expected: {missed}" if missed else "")
+        told = self._touching()
+        if self._is_broken:
+            at, touched = self.run.begun + self.run.seconds, self.contacts or self.grazes
+            told = f"{told if touched else 'no contact'} until then"
+            told = f"broke off with an error at {at:.2f} s; {told}"
+        return told + (f"; not as expected: {missed}" if missed else "")
+
+    @property
+    def _is_broken(self) -> bool:
+        return self.run.ended == "error"
 
     def _disagreeing(self) -> list[str]:
         """By what the checks disagree, with the first place where it is one of many."""
@@ -215,11 +225,12 @@ class Validation:
 
     @property
     def code(self) -> int:
-        """Exit code: 0 contact-free and as expected, 1 contacts or not as expected, 3 checks
-        disagree."""
+        """Exit code: 0 contact-free and as expected, 1 contacts, not as expected or broken off
+        with an error, 3 checks disagree."""
         if self._disagreeing():
             return DISAGREE
-        return CONTACTS if self.contacts or self.grazes or self.missed else FREE
+        failed = self.contacts or self.grazes or self.missed or self._is_broken
+        return CONTACTS if failed else FREE
 
 
 def validate(record: Record, *, rerun: bool = True, source: str | None = None) -> Validation:

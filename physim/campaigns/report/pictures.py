@@ -72,6 +72,15 @@ def pictures(
     return found
 
 
+def film_of(folder: Path, row: Row, controllers: Collection[str] = ()) -> str:
+    """Film of a run, made where it is not there yet; its place in the folder. As `record_of`."""
+    file = folder / VIDEOS / f"{row.run}.mp4"
+    if not file.is_file():
+        with closing(record_of(folder, row, controllers)) as record:
+            _make(record, [file], "end")
+    return f"{VIDEOS}/{file.name}"
+
+
 def record_of(folder: Path, row: Row, controllers: Collection[str] = ()) -> Record:
     """The kept record of a run, or the run again, in this process: it came to its end before.
 

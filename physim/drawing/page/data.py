@@ -23,7 +23,7 @@ from physim.drawing.page.decisions import pack_decisions
 from physim.drawing.page.knots import find_knots
 from physim.drawing.page.packing import Pack
 from physim.drawing.page.why import explanations
-from physim.drawing.scene_model import SceneModel
+from physim.drawing.scene_model import ROLL, SceneModel
 from physim.drawing.timeline import Episodes, Timeline
 from physim.drawing.video.canvas import SHORT_TRAIL, TRAIL
 from physim.drawing.video.ground import ground
@@ -197,7 +197,12 @@ def place(scene: SceneModel) -> dict[str, Any]:
         for k, way in enumerate(scene.ways)
     ]
     number = {shape: k for k, shape in enumerate(shapes)}
+    wheels = {
+        car: {"at": _points(at), "half": round(ROLL * float(scene.wheelbase[car]), DECIMALS)}
+        for car, at in scene.wheels.items()
+    }
     return {
+        **({"wheels": wheels} if wheels else {}),
         "areas": [
             {"name": item.what, "key": item.key, "rings": [_points(ring) for ring in item.lines]}
             for item in drawn
@@ -256,8 +261,8 @@ def moments(
         found.append(one | ({"robot": who} if contact is None else {"contact": contact}))
     contacts, names = timeline.contacts, [clean(body.name) for body in timeline.record.bodies]
     for k in np.flatnonzero(contacts.swept)[:MOST_GRAZES].tolist():
-        time, (a, b) = float(contacts.began[k]), contacts.bodies[k].tolist()
-        words = between(time, timeline.record.dt)
+        time, (a, b) = float(contacts.moment[k]), contacts.bodies[k].tolist()
+        words = between(float(contacts.began[k]), timeline.record.dt)
         grazed = f"{names[a]} and {names[b]} grazed"
         found.append({"label": grazed, "time": time, "words": words, "contact": k})
     return found
@@ -275,6 +280,7 @@ def _contact(timeline: Timeline, metric: Metric) -> int | None:
 def _pack_contacts(timeline: Timeline, pack: Pack, validation: Validation | None) -> dict[str, Any]:
     """Add all contacts by the time they begin; returns what the header says of them.
 
+    One between two samples begins at the earlier of them.
     Of the places of a contact those are kept where it has moved.
     """
     found, dt = timeline.contacts, timeline.record.dt
@@ -289,12 +295,14 @@ def _pack_contacts(timeline: Timeline, pack: Pack, validation: Validation | None
         count.append(len(kept))
     deep = np.where(np.isfinite(found.deep), found.deep / dt, -1.0)
     for name, values in (
-        ("contact_step", found.began / dt), ("contact_samples", (found.ended - found.began) / dt),
+        ("contact_step", found.began / dt - found.swept),
+        ("contact_samples", (found.ended - found.began) / dt),
         ("contact_a", found.bodies[:, 0]), ("contact_b", found.bodies[:, 1]),
         ("contact_swept", found.swept), ("contact_deep", deep), ("contact_places", count),
         ("place_step", found.times[rows] / dt),
     ):  # fmt: skip
         pack.whole(name, np.rint(np.asarray(values, dtype=np.float64)))
+    pack.real("contact_time", found.moment, 1e-4)
     pack.real("place_x", found.places[rows, 0], 1e-3)
     pack.real("place_y", found.places[rows, 1], 1e-3)
     return {

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from physim._version import __version__
-from physim.analysis.parting import is_branch, parting
+from physim.analysis.parting import Parting, is_branch, parting
 from physim.analysis.summary import summarise, table_rows
 from physim.analysis.validation import Validation
 from physim.drawing.drivers import drivers_of, key_of
@@ -25,7 +25,7 @@ from physim.files import write_text
 from physim.html import Html, table, tag, text, together
 from physim.html import page as whole_page
 from physim.record import Record
-from physim.world.differences import differences
+from physim.world.differences import differences, key_in_words, stages_apart
 
 MOST_RUNS = 6
 """Runs in one page"""
@@ -92,10 +92,7 @@ def page(*records: Record, validation: Validation | None = None) -> Page:
     packed = [run_data(*pair, validation, parted) for pair in zip(records, summaries, strict=True)]
     runs = [tag("script", Html(run), type="text/plain", class_="run") for run in packed]
     labels = ["original", f"branch at {records[1].begun:g} s"] if branching else _labels(records)
-    about = _about(records)
-    if branching:
-        where = f"parts {parted}" if parted else "does not part from the original"
-        about = f"original and branch; {about.partition('; ')[2] or 'nothing changed'}; {where}"
+    about = _about_branch(records, parted) if branching else _about(records)
     name = ", ".join(dict.fromkeys(clean(record.name) for record in records))
     tables = [] if validation is None else [findings_section(validation, summaries[0])]
     for run, (label, summary) in enumerate(zip(labels, summaries, strict=True)):
@@ -153,12 +150,29 @@ def _about(records: Sequence[Record]) -> str:
         words = [plural(len(records), "run")]
     if len(records) == 2:
         try:
-            found = differences(records[0].world, records[1].world)
-            told = [f"{key}: {a} / {b}" for key, (a, b) in found.items()]
+            found, stages = stages_apart(differences(records[0].world, records[1].world))
+            told = [" / ".join(pair) for pair in stages]
+            told += [f"{key_in_words(key)} {a} / {b}" for key, (a, b) in found.items()]
         except PhysimError:  # of a world that cannot be read nothing is known
             pass
     words += told if len(told) <= MOST_DIFFERENCES else [f"{len(told)} values differ"]
     return "; ".join(filter(None, [*words, drawn_between(records)]))
+
+
+def _about_branch(records: Sequence[Record], parted: Parting | None) -> str:
+    """From when on there is a branch, with what changed, and where it parts from its original."""
+    branch = records[1]
+    found, stages = stages_apart(branch.origin.changed)
+    told = [after for _, after in stages]
+    told += [f"{key_in_words(key)} {b} instead of {a}" for key, (a, b) in found.items()]
+    if (more := len(told) - MOST_DIFFERENCES) > 0:
+        told[MOST_DIFFERENCES:] = [plural(more, "more change")]
+    words = [
+        f"original, and branch from {branch.begun:g} s on: {', '.join(told) or 'nothing changed'}",
+        f"parts {parted}" if parted else "does not part from the original",
+        drawn_between(records),
+    ]
+    return "; ".join(filter(None, words))
 
 
 def drawn_between(records: Sequence[Record]) -> str:

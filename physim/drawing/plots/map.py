@@ -216,7 +216,8 @@ def _moved(axis: Any, timeline: Timeline, at: IntArray) -> list[Any]:
     scene, handles = timeline.scene, []
     poses = timeline.record.moving_pose[at][:, timeline.robots :] if scene.moved else ()
     outlines = [one.rings[0] for one in scene.moved_shapes]
-    called = short(", ".join(scene.mover_names), LONGEST)
+    movers = zip(scene.moved_names, scene.moved_keys, strict=True)
+    called = short(", ".join(name for name, key in movers if key == "mover"), LONGEST)
     for key, word in (("mover", called), ("obstacle", PUSHED)):
         which = [k for k, kind in enumerate(scene.moved_keys) if kind == key]
         shapes = [placed(outlines[k], pose[k]) for pose in poses for k in which]
@@ -401,7 +402,7 @@ RIM = 0.15
 
 def draw_start(axis: Any, scene: SceneModel, names: Sequence[str], course: FloatArray,
                widths: Widths) -> list[Any]:  # fmt: skip
-    """Draw the map of a world before it is run, with the names of its robots, then of movers.
+    """Draw the map of a world before it is run, with the names of all that moves, robots first.
 
     And a tick every round number of metres along the ``course`` (n, 2) of the first robot.
     """

@@ -107,7 +107,7 @@ def make_figure(seen: Contents, format: str = "png") -> Any:
     from matplotlib.figure import Figure
 
     scene = seen.scene
-    called = *scene.names, *scene.mover_names
+    called = *scene.names, *scene.moved_names
     fonts, signs = families("".join((*seen.lines, *called)))
     matplotlib.rcParams["font.family"] = fonts
     figure = Figure(figsize=SIZE, dpi=DPI)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -355,6 +355,15 @@ def draw_robots(
         turned=np.repeat(turned, 2, axis=0),
         lens=lens.matrix(),
     )
+
+
+def draw_wheels(
+    canvas: Canvas, lens: Lens, wheels: Mapping[int, FloatArray], colours: NDArray[Any]
+) -> None:
+    """Draw front wheels, lines (2, 2, 2) [m] by car, of robots in colours (N, 3)."""
+    for car, lines in wheels.items():
+        edge = tuple((0.4 * colours[car]).astype(int).tolist())
+        canvas.lines(lens.pixels(lines), edge, 3.0)
 
 
 def draw_moved(

@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import queue
 import re
+import signal
 import subprocess
 import tempfile
 import threading
@@ -218,12 +219,18 @@ class VideoFile(Film):
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the film
         source = "-f", "rawvideo", "-pix_fmt", "bgr24", "-s", f"{wide}x{high}"
         rate = "-r", str(Fraction(self._fps).limit_denominator(1001))
-        command = [get_ffmpeg_exe(), "-v", "error", "-y", *source, *rate, "-i", "-", *ENCODER]
-        # in a session of its own: a Ctrl-C in the terminal must not end it before its time
-        self._encoder = subprocess.Popen(
-            [*command, f"file:{self._part}"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
-            stderr=self._errors, start_new_session=True, pipesize=1 << 18,
-        )  # fmt: skip
+        options = "-v", "error", "-y", *source, *rate, "-i", "-", *ENCODER
+        # A Ctrl-C in the terminal must not end it before its time: it is in a session of its own,
+        # and deaf until it is there, as is the one that is asked for its version when it is found.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            self._encoder = subprocess.Popen(
+                [get_ffmpeg_exe(), *options, f"file:{self._part}"], stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL, stderr=self._errors, start_new_session=True,
+                pipesize=1 << 18,
+            )  # fmt: skip
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         self._free: queue.SimpleQueue[Image] = queue.SimpleQueue()
         self._full: queue.SimpleQueue[Image | None] = queue.SimpleQueue()
         for _ in range(BUFFERS):

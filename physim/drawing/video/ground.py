@@ -31,6 +31,7 @@ from physim.drawing.video.canvas import (
     draw_contacts,
     draw_moved,
     draw_robots,
+    draw_wheels,
 )
 from physim.drawing.video.text import BOLD, NORMAL, TEXT, shorten, sprite
 from physim.geometry.shapes import FloatArray
@@ -201,6 +202,7 @@ class Whole:
         draw_moved(view, fleet, lens, moving, faces, touching)
         if 2.0 * float(timeline.scene.reach.max()) * lens.scale >= TINY:
             draw_robots(view, fleet, lens, now.pose, now.colours, touching)
+            draw_wheels(view, lens, timeline.scene.wheels_at(now.pose, now.steering), now.colours)
         else:
             edges = np.where(touching[: len(now.pose), None], palette.CONTACT, palette.INK)
             for size, colours in ((7, edges), (5, now.colours)):

@@ -97,7 +97,7 @@ def signs(timeline: Timeline, ground: Ground, whole: bool = False) -> dict[str, 
             lambda canvas, at: draw_closest(canvas, at + [[3.0, 0.0], [19.0, 0.0]]),
         ),
         "mover": (
-            timeline.scene.mover_names,
+            "mover" in timeline.scene.moved_keys,
             lambda canvas, at: draw_moved(
                 canvas, Fleet([_BOX]), Lens(1.0, *(at + MIDDLE)), np.zeros((1, 3)),
                 [palette.MOVER], np.zeros(1, bool),

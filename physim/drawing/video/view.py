@@ -38,6 +38,7 @@ from physim.drawing.video.canvas import (
     draw_robots,
     draw_targets,
     draw_trails,
+    draw_wheels,
 )
 from physim.drawing.video.ground import Background, Ground, Whole, notes, write_corner
 from physim.drawing.video.names import Labels
@@ -54,6 +55,8 @@ ALL = 30.0
 """[px] a world in which every robot is drawn at least this long is shown whole"""
 LONG, SHORT, LARGE = 35.0, 18.0, 84.0
 """[px] length of the smallest robot: wanted at least, never below, never above"""
+BEYOND = 0.5
+"""Share of half the view that stays within a world that is larger than the view"""
 TRAIL_BANDS = 50
 """Steps in which trails fade, over all robots."""
 TRAIL_STEPS, SHORT_STEPS = 21, 6
@@ -104,7 +107,8 @@ class Camera:
         centre = (first + last) / 2.0
         lost = (spread * self.scale > room + 1e-9).any(axis=1)
         centre[lost] = np.median(places[lost], axis=1)
-        half, middle = room / 2.0 / self.scale, (low + high) / 2.0  # not beyond the world
+        half, middle = room / 2.0 / self.scale, (low + high) / 2.0
+        half = np.where(high - low > 2.0 * half, BEYOND * half, half)
         centre = np.clip(centre, np.minimum(low + half, middle), np.maximum(high - half, middle))
         sigma = max(1.0, 0.8 * speed) / period  # the same forward and back
         smooth = gaussian_filter1d(centre, sigma, axis=0, mode="nearest", truncate=3.0)
@@ -212,7 +216,8 @@ class View:
             shorten(name, NAME, 110, BOLD) + mark
             for name, mark in zip(timeline.record.names, timeline.marks, strict=True)
         ]
-        self._names += [shorten(name, NAME, 110, BOLD) for name in scene.mover_names]
+        if len(scene.moved) <= NAMED:
+            self._names += [shorten(name, NAME, 110, BOLD) for name in scene.moved_names]
         self._crowd = timeline.robots > NAMED
         self._trail = SHORT_TRAIL if self._crowd else TRAIL
         steps = SHORT_STEPS if self._crowd else TRAIL_STEPS
@@ -254,6 +259,8 @@ class View:
             draw_ghosts(view, other._fleet, lens, other.timeline.at(now.time).moving_pose)
         draw_moved(view, self._fleet, lens, now.moving_pose, self._faces, touching)
         draw_robots(view, self._fleet, lens, now.pose, now.colours, touching, seen)
+        if not self._crowd:
+            draw_wheels(view, lens, timeline.scene.wheels_at(now.pose, now.steering), now.colours)
         origins = lens.pixels(now.pose[seen[self._eccentric[seen]], :2])
         view.discs(origins, 3.5, palette.WHITE)  # where the lines to the targets start
         view.discs(origins, 2.2, palette.INK)

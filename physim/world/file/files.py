@@ -22,6 +22,10 @@ from physim.world.file.document import MOST_BYTES, Document, read_document, refu
 SUFFIXES = (".yaml", ".yml")
 RECORD = "record.h5"
 """What the record of a run is called in its folder"""
+GROUPS = ("league", "training")
+"""Folders of shipped worlds beside the gallery's: those of the league, and those for tuning"""
+PROGRAMME = "league.yaml"
+"""In the folder of the league's worlds: who meets where; no world"""
 IMPORTED = (".svg", ".csv", ".wkt", ".geojson")
 """Endings of files of which physim import makes worlds."""
 
@@ -32,31 +36,44 @@ def shipped_folder() -> Path:
         return folder
 
 
-def shipped_worlds() -> dict[str, str]:
-    """Name and one-line description of every shipped world, by name."""
+def shipped_worlds(group: str = "") -> dict[str, str]:
+    """Name and one-line description of every shipped world, or of those of a group, by name."""
     found = {}
-    for file in sorted(shipped_folder().glob("*.yaml")):
-        document = yaml.safe_load(file.read_text(encoding="utf-8"))
-        found[file.stem] = str(document.get("description", ""))
+    for name in _names(group):
+        document = yaml.safe_load(_shipped(name).read_text(encoding="utf-8"))
+        found[name] = str(document.get("description", ""))
     return found
+
+
+def _names(group: str) -> list[str]:
+    """Names of the shipped worlds of a group, as ``league/NAME``; without one plain."""
+    files = sorted((shipped_folder() / group).glob("*.yaml"))
+    names = (file.stem for file in files if file.name != PROGRAMME)
+    return [f"{group}/{name}" if group else name for name in names]
+
+
+def _shipped(name: str) -> Path:
+    return shipped_folder() / f"{name}.yaml"
 
 
 def find_world(given: str | os.PathLike[str]) -> Path:
     """Path of a world given as a file, by the name of one in ``worlds/``, or of a shipped one.
 
     A file goes first, then ``worlds/NAME.yaml`` of the working directory. Of the folder of a run it
-    is the record.
+    is the record. Names of grouped worlds are ``league/NAME`` and ``training/NAME``.
 
     Raises WorldError when there is neither, with the nearest names.
     """
     path, given = Path(given), str(given)
-    plain = given.isprintable() and len(path.parts) == 1 and path.suffix not in SUFFIXES
-    shipped = [file.stem for file in sorted(shipped_folder().glob("*.yaml"))]
+    is_grouped = len(path.parts) == 2 and path.parts[0] in GROUPS
+    plain = given.isprintable() and path.suffix not in SUFFIXES
+    plain = plain and (len(path.parts) == 1 or is_grouped)
+    shipped = _names(path.parts[0] if is_grouped else "")
     if plain and (path.is_dir() or not path.exists()):  # a folder of that name may hold its runs
         if (own := Path("worlds", f"{given}.yaml")).is_file():
             return own
         if given in shipped:
-            return shipped_folder() / f"{given}.yaml"
+            return _shipped(given)
     if not plain or path.exists():
         run = path / RECORD
         return run if is_record(run) else path  # reading says what is wrong with it

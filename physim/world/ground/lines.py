@@ -50,8 +50,10 @@ def simplified(line: FloatArray, most: float, kept: Sequence[int] | IntArray = (
     Of a whole line GEOS looks for the farthest point again and again, each time within the call
     before: of 100,000 corners it takes half a minute and all of the stack.
     """
-    every = np.arange(0, len(line), LONGEST_RUN)
-    cuts = np.unique(np.concatenate((every, [len(line) - 1], np.asarray(kept, dtype=np.int64))))
+    is_cut = np.zeros(len(line), dtype=np.bool_)
+    is_cut[::LONGEST_RUN] = is_cut[-1] = True
+    is_cut[np.asarray(kept, dtype=np.int64)] = True
+    cuts = np.flatnonzero(is_cut)
     lengths = np.diff(cuts) + 1  # of the runs from one cut to the next, both included
     run = np.repeat(np.arange(len(lengths)), lengths)
     place = np.arange(len(run)) - run  # a point at a cut is in two runs

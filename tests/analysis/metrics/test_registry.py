@@ -12,7 +12,9 @@ from tests.analysis.metrics.histories import history
 from tests.helpers import facts
 from tests.helpers.records import make_record
 
-UNITS = {"-", "m", "s", "1/s", "1/min", "m/s", "rad/s", "m^2", "J", "N s"}
+UNITS = {
+    "-", "m", "s", "1/s", "1/min", "m/s", "rad/s", "m/s^2", "rad/s^2", "m^2", "J", "N s",
+}  # fmt: skip
 OF_SEVERAL = {"shortest_distance", "farthest_distance", "contacts_between_robots"}
 OF_MOVERS = {"contacts_with_movers"}
 OF_A_FORMATION = {name for name in DEFINITIONS if name.startswith("formation_")}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import h5py
@@ -109,6 +110,26 @@ def test_a_record_tells_its_world_without_the_code_of_its_controller(tmp_path):
     # A world from a file may still not name a class.
     with pytest.raises(physim.WorldError, match="names a class"):
         physim.parse_world(text)
+
+
+def test_a_run_that_broke_off_is_not_contact_free(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    monkeypatch.syspath_prepend(str(folder))
+    for name, until in (("late", 0.4), ("soon", -1.0)):
+        (folder / f"{name}.py").write_text(
+            "import physim\n\n\nclass Gone:\n    def decide(self, seen, memory):\n"
+            f"        if seen.time > {until}:\n            raise ValueError('gone')\n"
+            "        return physim.Decision(v=0.0, omega=0.0, hold=0.1)\n"
+        )
+        own = ("--controller", f"{name}:Gone")
+        assert said("run", "lane.yaml", *own, "-o", name, "--no-video").code == 2
+        code, out, _ = said("validate", name, *own, "--quiet", "--json", f"{name}.json")
+        assert code == json.loads((folder / f"{name}.json").read_text())["exit_code"] == 1
+        told = r"verdict: broke off with an error at (0\.\d\d) s; no contact until then$"
+        found = re.search(told, out)
+        assert found, out
+        assert (float(found[1]) > 0.4) == (name == "late")
+        assert ("decisions made again: the run made no decision" in out) == (name == "soon")
 
 
 def test_of_many_runs_each_has_its_verdict(folder, monkeypatch):

@@ -82,6 +82,9 @@ def test_the_verdict_names_it(grazing):
     assert found.grazes[0].responsible == (1,)
     assert states(said(found), "engine does not look", "1 of them")
     assert "Responsible: fast" in said(found)
+    when = found.grazes[0].when
+    assert when.startswith("between ")
+    assert said(found).lower().count(when) == 3  # above, in the table, in the sentence
     assert found.near_misses.distances == ()
 
 

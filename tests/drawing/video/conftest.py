@@ -37,6 +37,9 @@ class Changed(SimpleNamespace):
     def world_settings(self) -> Any:
         return yaml.safe_load(self.world_text)
 
+    def holds(self, path: str) -> bool:
+        return False
+
     def column(self, name: str, *, absent: float = np.nan) -> Any:
         known = name in (self.updates.dtype.names or ())
         return self.updates[name] if known else np.full(len(self.updates), absent)

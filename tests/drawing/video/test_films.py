@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import signal
 import struct
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,6 +13,7 @@ from typing import Any
 import imageio.v3 as iio
 import numpy as np
 import pytest
+from imageio_ffmpeg import get_ffmpeg_exe
 from PIL import Image
 
 from physim.drawing.video import frame_at, still
@@ -225,6 +228,20 @@ def test_an_encoder_that_fails_is_told_in_one_line(
     assert "\n" not in str(caught.value)
     assert capfd.readouterr() == ("", "")
     assert not list(tmp_path.iterdir())
+
+
+def test_an_encoder_that_begins_as_ctrl_c_comes_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def found() -> str:  # as imageio-ffmpeg does, which asks each for its version
+        subprocess.run(["sh", "-c", "kill -INT $$; exit 0"], check=True)
+        return get_ffmpeg_exe()
+
+    monkeypatch.setattr("physim.drawing.video.film.get_ffmpeg_exe", found)
+    with VideoFile(tmp_path / "film.mp4", 25.0) as film:
+        film.write(np.zeros((720, 1280, 4), np.uint8))
+    assert len(decoded(tmp_path / "film.mp4")) == 1
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
 
 
 def test_a_film_whose_encoder_has_ended_takes_no_more_frames(

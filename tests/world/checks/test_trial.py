@@ -179,9 +179,9 @@ def test_a_controller_that_fails_in_the_run_is_told(
     )
     monkeypatch.syspath_prepend(str(here))
     done = physim("check", "door.yaml", "--controller", "late:Late", capture=capsys)
-    assert done.code == 0
+    assert done.code == 2
     assert re.search(r"controller: .*too late", done.out)
-    assert "1 warning" in done.out.splitlines()[-1]
+    assert "1 error, no warnings" in done.out.splitlines()[-1]
 
 
 BEHIND = DOOR.replace("pose: [2, 0, 0], path: [[1.5, 0]", "pose: [2, 0, 0], path: [[7.5, 0]")

@@ -10,6 +10,7 @@ export class Contacts {
     this.told = run.header.contacts.told;
     const { array } = run;
     this.began = array.whole("contact_step");
+    this.times = array("contact_time");
     this.samples = array.whole("contact_samples");
     this.a = array.whole("contact_a");
     this.b = array.whole("contact_b");
@@ -55,8 +56,9 @@ export class Contacts {
     return { x: this.x[row], y: this.y[row] };
   }
 
+  /** When it began; of one between two samples, when the two are closest [s]. */
   time(k) {
-    return this.began[k] * this.run.dt;
+    return this.times[k];
   }
 
   bodies(k) {

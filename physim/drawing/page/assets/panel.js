@@ -2,8 +2,8 @@
 
 import { button, el, say } from "./dom.js";
 import { disc, drawContact, line } from "./marks.js";
-import { nowAt } from "./robots.js";
-import { decimal, metres } from "./words.js";
+import { isFar, nowAt } from "./robots.js";
+import { decimal, metres, seconds } from "./words.js";
 
 /** The table of figures, one column a run; `update` shows another time. */
 export function figures(views) {
@@ -32,17 +32,19 @@ function momentOf(view, time) {
   const count = contacts.count(time);
   const now = contacts.shown(time).filter((one) => one.touches);
   const both = (k) => contacts.bodies(k).map((body) => run.names[body]).join(" – ");
-  const graze = now.length && now.at(-1).swept ? " between samples" : ""; // apart at this one
+  const graze = now.length && now.at(-1).swept ? " between samples" : ""; // apart at both
   const touching = now.length ? both(now.at(-1).k) + graze + (now.length > 1 ? ` + ${now.length - 1}` : "") : "none";
   const pair = view.closest(time);
   const closest = pair ? `${run.names[pair.a]} – ${run.names[pair.b]} ${metres(pair.distance)}` : "–";
-  const wall = run.header.curves.wall ? (view.walls ??= run.array("now_wall"))[nowAt(run, time)] : Infinity;
+  const sample = nowAt(run, time);
+  const wall = run.header.curves.wall ? (view.walls ??= run.array("now_wall"))[sample] : Infinity;
+  const when = isFar(run, sample, time) ? ` at ${seconds(run.now[sample] * run.dt)}` : "";
   const known = (words) => (run.header.contacts.recorded ? words : "not recorded");
   return [
     [known(contacts.length ? `${count} of ${contacts.length}` : "none"), count > 0],
     [known(touching), now.length > 0],
     [closest, pair !== null && pair.distance <= 0],
-    [Number.isFinite(wall) ? metres(wall) : "–", wall <= 0],
+    [Number.isFinite(wall) ? metres(wall) + when : "–", wall <= 0],
     [run.finished(time) ? "yes" : "no", false],
   ];
 }

@@ -134,8 +134,8 @@ export class Plots {
   drawContacts(context, colours, run) {
     const swept = run.array.whole("contact_swept");
     let last = -APART;
-    run.array.whole("contact_step").forEach((step, k) => {
-      const x = this.x(step * run.dt);
+    run.array("contact_time").forEach((time, k) => {
+      const x = this.x(time);
       if (x - last < APART) return;
       drawContact(context, x, this.height - AXIS, { swept: swept[k] === 1 }, colours, true);
       last = x;

@@ -6,6 +6,7 @@ import { lastAtMost } from "./run.js";
 const MARK_FROM = 5; // [px] size from which heading marks are drawn
 const TRAIL_STEPS = 24;
 const CROWD_STEPS = 4;
+const FAR = 0.05; // [s] beside a sample, from which on figures of that are not those of now
 const FADES = 6; // steps in which a trail fades
 
 /** Shapes of the robots of a run, ready to be placed. */
@@ -76,6 +77,23 @@ export class Fleet {
     context.setLineDash([]);
     context.fillStyle = "#ffffff";
     context.fill(marks);
+  }
+
+  /** Draws the front wheels of cars as they are turned at a time. */
+  drawWheels(context, pose, lens, seen, time, colourOf) {
+    for (const robot of seen) {
+      const wheels = this.run.header.scene.wheels?.[robot];
+      if (!wheels) continue;
+      const turned = this.run.steering(robot, time);
+      const [x, y] = [Math.cos(turned) * wheels.half, Math.sin(turned) * wheels.half];
+      const path = new Path2D();
+      for (const [ax, ay] of wheels.at) {
+        trace(path, Fleet.placed([ax - x, ay - y, ax + x, ay + y], pose, 3 * robot, lens));
+      }
+      context.strokeStyle = darker(colourOf(robot));
+      context.lineWidth = 2.5;
+      context.stroke(path);
+    }
   }
 
   /** Outlines in one colour, of robots that touch something or were chosen. */
@@ -194,12 +212,34 @@ export function closestPoints(fleet, pose, a, b) {
   return best;
 }
 
+/** Whether a corner of one of two bodies lies in the other. */
+export function overlap(fleet, pose, a, b) {
+  const rings = [a, b].map((body) => fleet.outline(body, pose, { scale: 1, x: 0, y: 0 }));
+  const holds = (x, y, ring) => {
+    let inside = false;
+    for (let k = 0, m = ring.length - 2; k < ring.length; m = k, k += 2) {
+      const rises = ring[k + 1] > y !== ring[m + 1] > y;
+      const share = (y - ring[k + 1]) / (ring[m + 1] - ring[k + 1]);
+      if (rises && x < ring[k] + share * (ring[m] - ring[k])) inside = !inside;
+    }
+    return inside;
+  };
+  const meet = (corners, bodies) =>
+    corners.some((ring) => bodies.some((other) => ring.some((x, k) => k % 2 === 0 && holds(x, ring[k + 1], other))));
+  return meet(rings[0], rings[1]) || meet(rings[1], rings[0]);
+}
+
 export function nearestOn(x, y, ax, ay, bx, by) {
   const dx = bx - ax;
   const dy = by - ay;
   const square = dx * dx + dy * dy;
   const share = square ? Math.min(1, Math.max(0, ((x - ax) * dx + (y - ay) * dy) / square)) : 0;
   return [ax + share * dx, ay + share * dy];
+}
+
+/** Whether a moment at which the least distances are known is another than a time, to the eye. */
+export function isFar(run, now, time) {
+  return Math.abs(run.now[now] * run.dt - time) > FAR;
 }
 
 /** The moment nearest to a time at which the least distances are known. */

@@ -154,6 +154,15 @@ export class Run {
     return found;
   }
 
+  /** Angle of the front wheels of a robot at a time [rad], left positive; 0 where none is known. */
+  steering(robot, time) {
+    if (!this.header.steers) return 0;
+    this.steered ??= { steps: this.array.whole("steering_step"), angles: this.array("steering") };
+    const { steps, angles } = this.steered;
+    const k = Math.max(0, lastAtMost(steps, (time + SLACK) / this.dt));
+    return angles[robot * steps.length + k];
+  }
+
   /** Spans of one mode each of a robot, [from, to, mode] in seconds. */
   spans(robot) {
     const found = [];

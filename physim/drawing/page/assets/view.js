@@ -7,7 +7,7 @@ import { fitted } from "./dom.js";
 import { Ground } from "./ground.js";
 import { drawClosest, drawContacts, drawScale, drawSight, drawTargets } from "./marks.js";
 import { writeLabels } from "./names.js";
-import { Fleet, nowAt, drawTrails } from "./robots.js";
+import { Fleet, closestPoints, drawTrails, isFar, nowAt, overlap } from "./robots.js";
 import { roundBelow } from "./words.js";
 
 const CONTACT_LASTS = 1; // [s] least simulated time that the mark of a contact stays
@@ -30,14 +30,23 @@ export class View {
     this.drawn = null; // what was drawn last: time, poses and lens
   }
 
-  /** The closest two robots at a time, as they were recorded; null without. */
+  /** The closest two robots at a time, as they were recorded, or far from a sample as they are drawn;
+   * two that touch between two samples come first. Null without. */
   closest(time) {
     const { run } = this;
     if (!run.header.curves.pair) return null;
     this.pairs ??= ["now_pair", "now_a", "now_b"].map((name) => run.array(name));
     const now = nowAt(run, time);
     const [distance, a, b] = this.pairs.map((values) => values[now]);
-    return { a, b, distance };
+    const isGraze = ({ k, touches, swept }) => touches && swept && this.contacts.b[k] < run.moving;
+    const graze = this.contacts.shown(time).find(isGraze);
+    if (!graze && !isFar(run, now, time)) return { a, b, distance };
+    const two = graze ? this.contacts.bodies(graze.k) : [a, b];
+    const isThere = graze && Math.abs(time - this.contacts.time(graze.k)) <= 0.1 * run.dt;
+    const pose = run.poses(time);
+    const [from, to] = closestPoints(this.fleet, pose, ...two);
+    const touch = isThere || overlap(this.fleet, pose, ...two);
+    return { a: two[0], b: two[1], distance: touch ? 0 : Math.hypot(to[0] - from[0], to[1] - from[1]) };
   }
 
   modeColour(robot, time, colours) {
@@ -77,6 +86,7 @@ export class View {
     this.fleet.draw(context, pose, lens, moved, (body) => this.modeColour(body, at, colours));
     this.fleet.ring(context, pose, lens, moved, colours.wall, 2);
     this.fleet.draw(context, pose, lens, seen, (robot) => this.modeColour(robot, at, colours));
+    this.fleet.drawWheels(context, pose, lens, seen, at, (robot) => this.modeColour(robot, at, colours));
     this.drawReferencePoints(context, pose, lens, seen, colours);
     const shown = this.contacts.shown(at, Math.max(CONTACT_LASTS, 0.5 * speed));
     const touching = new Set(
@@ -98,8 +108,7 @@ export class View {
     }
     drawContacts(context, shown, lens, colours, speed, run.header.crowd);
     if (layers.names) {
-      const movers = moved.filter((body) => run.kind(body) === "mover");
-      const named = few ? [...seen, ...movers] : [...new Set([pair?.a, pair?.b, ...among.slice(0, 12), chosen])];
+      const named = few ? (moved.length <= FEW ? there : seen) : [...new Set([pair?.a, pair?.b, ...among.slice(0, 12), chosen])];
       for (const robot of named) {
         if (inView.has(robot)) labels.push(this.nameOf(robot, pose, lens, robot === chosen));
       }

@@ -3,7 +3,6 @@
 import { button, el } from "./dom.js";
 import { story } from "./events.js";
 import { closestPoints } from "./robots.js";
-import { lastAtMost } from "./run.js";
 import { amount, command, decimal, metres, plural, seconds } from "./words.js";
 
 const SEEN = {
@@ -156,14 +155,6 @@ function seenTable(run, row, mode) {
   return tableOf("seen", "What it sensed, and its thresholds", rows, top);
 }
 
-/** Angle of the steered wheels of a robot at a time [deg], left positive. */
-function steering(run, robot, time) {
-  run.steering ??= { steps: run.array.whole("steering_step"), angles: run.array("steering") };
-  const { steps, angles } = run.steering;
-  const k = Math.max(0, lastAtMost(steps, (time + 1e-9) / run.dt));
-  return (angles[robot * steps.length + k] * 180) / Math.PI;
-}
-
 function factTable(run, robot, row, go, time) {
   const rows = [];
   const add = (label, ...content) => rows.push(["", label, content.flatMap((one) => [one, " "])]);
@@ -174,7 +165,7 @@ function factTable(run, robot, row, go, time) {
   if (why.robots) add("controller", why.controller);
   const drive = run.header.drives?.[robot];
   if (drive) {
-    const angle = run.header.steers ? steering(run, robot, time) : 0;
+    const angle = (run.steering(robot, time) * 180) / Math.PI;
     const side = angle < 0 ? "right" : "left";
     add("drive", Math.abs(angle) >= 0.05 ? `${drive}, wheels ${decimal(Math.abs(angle), 1)}° to the ${side} now` : drive);
   }

@@ -122,7 +122,7 @@ def league(
                     f"interrupted: {tally.known:,} of {plural(tally.asked, 'run')} done; the same "
                     f"command goes on ({output})", file=sys.stderr,
                 )  # fmt: skip
-        found = standings(whole_league, Outcomes(read(output)))
+        found = standings(whole_league, Outcomes(read(output)), Folder(output).asked())
         most = 0 if no_video or interrupted else films
         with Bar("films", most, "films", quiet) as bar:
             shown = films_of(found, output, most, controllers, bar.count, interrupt)

@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from physim.campaigns.compare import Arm, Finding, Pair, compare
+from physim.campaigns.folder import Asked
 from physim.campaigns.league import OUTCOMES, Entrant, League, outcome_of
-from physim.campaigns.outcomes import Cell, FloatArray, Outcomes
+from physim.campaigns.outcomes import Cell, FloatArray, Missing, Outcomes, missing
 from physim.campaigns.report.contents import Rate, exact
 from physim.campaigns.rows import Row
 from physim.json_text import plain
@@ -114,6 +115,8 @@ class Standings:
     rankings: tuple[Ranking, ...]
     verdicts: tuple[Verdict, ...]
     """of all but reference and null arm; empty without the reference"""
+    missing: tuple[Missing, ...] = ()
+    """cells that lack runs which were asked for"""
 
     @property
     def reference(self) -> str:
@@ -169,8 +172,9 @@ class _Solved(Arm):
         return np.where(solved, found, nan) if name == "time_to_finish" else found
 
 
-def standings(league: League, outcomes: Outcomes) -> Standings:
-    """All figures, of the entrants and worlds that have rows or were refused."""
+def standings(league: League, outcomes: Outcomes, asked: Asked | None = None) -> Standings:
+    """All figures, of the entrants and worlds that have rows or were refused; ``asked`` are the
+    seeds that each cell is to have."""
     cells = {cell.names: cell for cell in outcomes.cells}
     rows = {
         (world, one.name): cells[one.label(world)]
@@ -210,7 +214,10 @@ def standings(league: League, outcomes: Outcomes) -> Standings:
         figures[key] = CellFigures(**found)
     rankings = tuple(_ranking(one, league, outcomes, entrants, worlds, rows) for one in CRITERIA)
     verdicts = _verdicts(league, entrants, rankings, figures)
-    return Standings(league, outcomes, entrants, worlds, figures, rows, rankings, verdicts)
+    return Standings(
+        league, outcomes, entrants, worlds, figures, rows, rankings, verdicts,
+        missing(asked or {}, outcomes),
+    )  # fmt: skip
 
 
 def _costs(

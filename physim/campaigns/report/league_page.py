@@ -33,7 +33,7 @@ from physim.campaigns.report.league_tables import (
     world_table,
 )
 from physim.campaigns.report.pictures import film_of
-from physim.campaigns.report.text import Table, replay
+from physim.campaigns.report.text import Table, missing_words, replay
 from physim.campaigns.rows import Row
 from physim.drawing.page.colours import styles
 from physim.errors import PhysimError, plural
@@ -102,6 +102,8 @@ def content(found: Standings, folder: str, films: Sequence[Film], command: str) 
         f"{count(runs)} runs{between}. Every number, sign and verdict on this page was computed "
         "from these runs by ", Words("code", command), "; contacts are those of the physics.",
     )  # fmt: skip
+    if found.missing:
+        yield "p", Words("strong", missing_words(found.missing))
     yield "h2", "The answer"
     yield from (("p", *line) for line in answer(found))
     yield "table", outcome_table(found, found.worlds, costs=True)

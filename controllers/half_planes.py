@@ -23,6 +23,8 @@ from physim.geometry.shapes import FloatArray, Rows4
 
 PARALLEL = 1e-5
 """[-] Sine of the angle below which two lines are taken for parallel, as in RVO2"""
+ROUNDING = 1e-10
+"""Half-planes violated by less are kept, lines at a smaller angle are parallel: some are twins"""
 
 
 class Nearest(NamedTuple):
@@ -69,8 +71,8 @@ def on_line(
     for i in range(k):
         across = dx * lines[i, 3] - dy * lines[i, 2]
         room = -violation_by(lines[i], px, py)
-        if abs(across) <= PARALLEL:
-            if room < 0.0:
+        if abs(across) <= ROUNDING:
+            if room < -ROUNDING:
                 return False, x, y
             continue
         t = room / across
@@ -102,7 +104,7 @@ def nearest_permitted(
     if is_direction or size > radius:
         found_x, found_y = radius * x / size, radius * y / size
     for k in range(many):
-        if violation_by(lines[k], found_x, found_y) > 0.0:
+        if violation_by(lines[k], found_x, found_y) > ROUNDING:
             is_any, at_x, at_y = on_line(lines, k, radius, x, y, is_direction)
             if not is_any:
                 return k, found_x, found_y

@@ -35,6 +35,7 @@ from physim.world.layout.scene_builder import may_vary
 FORMAT, VERSION = "physim-league", 1
 STUCK = 10.0
 """[s] without an advance of any robot after which a run that did not finish is a deadlock"""
+NAMED = CONTROLLER._replace(option="--controllers")
 OUTCOMES = ("arrived", "contact", "deadlock", "timeout", "error")
 """What comes of a run: exactly one of these"""
 FURTHER = "further worlds"
@@ -196,7 +197,7 @@ def chosen(league: League, names: Sequence[str]) -> list[Entrant]:
     for one in found:
         known = [each.name for each in league.entrants]
         try:
-            part = make_part(CONTROLLER, one.controller, one.settings, trusted=True)
+            part = make_part(NAMED, one.controller, one.settings, trusted=True)
         except WorldError as error:
             raise PhysimError(f"entrant {one.name}: {error}") from None
         except PhysimError as error:
@@ -239,7 +240,7 @@ def cells_of(entrants: Sequence[Entrant], worlds: Iterable[str], seeds: range) -
                     given, overrides=[f"controller={choice}"], controller=one.controller
                 )
             except WorldError as error:
-                why = error.faults[0].message
+                why = error.faults[0].message.partition("; ")[0]  # without what to do about it
                 refused.append(Refusal(world=given, entrant=one.name, reason=why))
                 continue
             own = own_parts(world)

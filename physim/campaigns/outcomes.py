@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from physim.campaigns.folder import Asked
 from physim.campaigns.rows import DURATION, FINISHED, PREFIX, Row, own_columns
 from physim.campaigns.spec import Label
+from physim.geometry.shapes import read_only
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -65,17 +66,22 @@ class Outcomes:
             found.append(Cell(*names, start, stop))
             start = stop
         self.cells = tuple(found)
+        self._columns: dict[str, FloatArray] = {}
 
     def __len__(self) -> int:
         """Number of runs."""
         return len(self.rows)
 
     def column(self, name: str) -> FloatArray:
-        """A column of numbers; nan where it has no meaning, and of a metric that no row has."""
-        if name.startswith(PREFIX):
+        """A column of numbers, read-only; nan where it has no meaning, and of a metric that no row
+        has."""
+        if name not in self._columns:
             own = name.removeprefix(PREFIX)
-            return np.array([row.metrics.get(own) for row in self.rows], float)
-        return np.array([getattr(row, name) for row in self.rows], float)
+            values = [
+                row.metrics.get(own) if own != name else getattr(row, name) for row in self.rows
+            ]
+            self._columns[name] = read_only(np.array(values, float))
+        return self._columns[name]
 
     @cached_property
     def own(self) -> list[str]:

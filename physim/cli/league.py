@@ -84,7 +84,14 @@ def league(
     )
     from physim.campaigns.outcomes import Outcomes
     from physim.campaigns.report.league import standings, standings_values
-    from physim.campaigns.report.league_page import MARKDOWN, PAGE, films_of, league_text, pages
+    from physim.campaigns.report.league_page import (
+        MARKDOWN,
+        PAGE,
+        films_of,
+        league_text,
+        pages,
+        said,
+    )
     from physim.campaigns.sweep import sweep
 
     before = read_league(output)
@@ -115,14 +122,14 @@ def league(
                     f"interrupted: {tally.known:,} of {plural(tally.asked, 'run')} done; the same "
                     f"command goes on ({output})", file=sys.stderr,
                 )  # fmt: skip
-        found = standings(whole_league, Outcomes(read(output)))
+        found = standings(whole_league, Outcomes(read(output)), Folder(output).asked())
         most = 0 if no_video or interrupted else films
         with Bar("films", most, "films", quiet) as bar:
             shown = films_of(found, output, most, controllers, bar.count, interrupt)
         for name, text in pages(found, output, shown, "physim league").items():
             write_text(output / name, text)
     if json:
-        print(json_text(standings_values(found)), end="", file=out)
+        print(json_text(standings_values(found) | {"said": said(found)}), end="", file=out)
     elif not quiet:
         print(league_text(found), end="")
         print(files_written(output, (MARKDOWN, PAGE)))

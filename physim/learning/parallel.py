@@ -30,7 +30,7 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc]
         self.metadata = {**rendering(task), "name": "physim", "is_parallelizable": True}
         self._episodes = Episodes(task, None, None, render_mode, record)
         self.simulation = self._episodes.simulation
-        self.possible_agents = [f"robot_{i}" for i in self._episodes.agents.tolist()]
+        self.possible_agents = [f"robot_{i}" for i in self._episodes.robots]
         self.agents: list[str] = []
         self.observation_spaces = {
             name: Box(-np.inf, np.inf, (task.size,), np.float32) for name in self.possible_agents

@@ -160,10 +160,11 @@ class Simulation(Present):
         if steps != 1 or type(steps) is not int:
             if not isinstance(steps, int | np.integer) or isinstance(steps, bool) or steps < 1:
                 raise PhysimError(f"steps = {steps!r}; it must be a whole number from 1 on")
-            given = None if commands is None else self._given(commands)
+            given, self.met = None if commands is None else self._given(commands), []
             for _ in range(steps):
                 self._step(self._decide() if given is None else given)
             return
+        self.met = []
         self._step(self._decide() if commands is None else self._given(commands))
 
     def _step(self, decided: Decided) -> None:
@@ -181,6 +182,8 @@ class Simulation(Present):
         self._states = (sensing, filters, disturbances)
         self._told = truth, self._sensed, decided, filtered, applied
         self._arrive(truth.step + 1, nominal, drive)
+        if len(self.physics.contacts):
+            self.met.append(self.physics.contacts)
         if self.observers:
             self._report()
 

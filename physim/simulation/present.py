@@ -48,6 +48,8 @@ class Present:
     mode: NDArray[np.int64]
     next_decision: NDArray[np.int64]
     memory: dict[str, NDArray[Any]]
+    met: list[NDArray[np.void]]
+    """contacts of every step of the last call of `step`, of those that had some"""
     _next_due: int
     _sensed: tuple[Sensed, tuple[Any, ...]] | None
     _looking: IntArray | None
@@ -229,7 +231,7 @@ class Present:
         self._arrivals = Arrivals(scene, self._tracking)
         self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
         self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
-        self._next_due, self._told = 0, None
+        self._next_due, self._told, self.met = 0, None, []
         still = read_only(np.zeros((scene.moving, 3)))
         drive = read_only(np.zeros((robots, 4))) if scene.drives else NO_DRIVES
         held = read_only(np.zeros((robots, scene.columns)))

@@ -86,6 +86,11 @@ def test_what_ran_does_not_run_again(played: Path, capsys: Any) -> None:
     assert run(capsys, "--no-run").code == 0
     run(capsys, "--seeds", "0:5")
     assert len(rows_in(played / "out")) == 2 * (5 + 1)
+    assert "Not complete" not in told(played)
+    for file in sorted((played / "out/rows").iterdir())[1:]:
+        file.unlink()
+    run(capsys, "--no-run")
+    assert "Not complete: 4 of the runs" in told(played)
 
 
 def test_a_world_that_refuses_an_entrant_is_told_with_the_reason(played: Path, capsys: Any) -> None:

@@ -45,9 +45,9 @@ def chosen(
     tree, nobody = build_wall_tree(solid), np.zeros(0, np.int64)
     lines, limits = pack_polylines([[(0, 0), (1, 0)]]), (V_MAX, omega)
     team = Team(
-        shapes, tree, nearest_walls(many), lines, np.zeros(many), np.tile(limits, (many, 1)),
-        SpeedRule(False, 1.0, 0.0, 0.0, 1.0), np.zeros(many), nobody, 0, 0.0, 15.0, 2.0, PERIOD,
-        0.0, ahead, 0.0,
+        shapes, tree, nearest_walls(many), lines, np.zeros(many), np.zeros((many, 2)),
+        np.zeros(many), np.tile(limits, (many, 1)), SpeedRule(False, 1.0, 0.0, 0.0, 1.0),
+        np.zeros(many), nobody, 0, 0.0, 15.0, 2.0, PERIOD, 0.0, ahead, 0.0,
     )  # fmt: skip
     heading = np.arctan2(velocity[:, 1], velocity[:, 0])
     pose, speed = np.column_stack((place, heading)), np.hypot(*velocity.T)

@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from physim.campaigns.compare import Arm, Finding, Pair, compare
+from physim.campaigns.folder import Asked
 from physim.campaigns.league import OUTCOMES, Entrant, League, outcome_of
-from physim.campaigns.outcomes import Cell, FloatArray, Outcomes
+from physim.campaigns.outcomes import Cell, FloatArray, Missing, Outcomes, missing
 from physim.campaigns.report.contents import Rate, exact
 from physim.campaigns.rows import Row
 from physim.json_text import plain
@@ -22,7 +23,7 @@ from physim.statistics import Duel, duels, median_difference
 COSTS = ("deviation_rms", "formation_error_rms", "speed_changes", "rotation_changes", "messages")
 """What is paid for arriving, beside time; messages are of a robot and second"""
 FEWEST_SOLVED = 3
-"""Seeds of a world that two must both solve before their times there are compared"""
+"""Seeds of a world that two must both solve before time and costs there count in means"""
 HOLDS, FAILS, PARTLY, OPEN = "holds", "does not hold", "holds in part", "cannot be told"
 
 
@@ -60,6 +61,8 @@ class CellFigures:
     """seeds that it and the reference solve"""
     ratio: tuple[float, float, float] = (nan, nan, nan)
     """makespan over that of the reference, median over these, with its interval"""
+    pace: float = nan
+    """the same as the mean of logarithms"""
     beside: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """means over these of `COSTS`: its own, and the reference's"""
     against: Mapping[str, Finding] = field(default_factory=dict)
@@ -112,6 +115,8 @@ class Standings:
     rankings: tuple[Ranking, ...]
     verdicts: tuple[Verdict, ...]
     """of all but reference and null arm; empty without the reference"""
+    missing: tuple[Missing, ...] = ()
+    """cells that lack runs which were asked for"""
 
     @property
     def reference(self) -> str:
@@ -167,8 +172,9 @@ class _Solved(Arm):
         return np.where(solved, found, nan) if name == "time_to_finish" else found
 
 
-def standings(league: League, outcomes: Outcomes) -> Standings:
-    """All figures, of the entrants and worlds that have rows or were refused."""
+def standings(league: League, outcomes: Outcomes, asked: Asked | None = None) -> Standings:
+    """All figures, of the entrants and worlds that have rows or were refused; ``asked`` are the
+    seeds that each cell is to have."""
     cells = {cell.names: cell for cell in outcomes.cells}
     rows = {
         (world, one.name): cells[one.label(world)]
@@ -200,6 +206,7 @@ def standings(league: League, outcomes: Outcomes) -> Standings:
             found |= {
                 "both": int(both.sum()),
                 "ratio": tuple(map(_exp, median_difference(np.log(time[b] / time[a])))),
+                "pace": _mean(np.log(time[b] / time[a])),
                 "beside": {name: (_mean(values[b]), _mean(values[a]))
                            for name, values in costs.items()},
                 "against": {f.name: f for f in one.findings},
@@ -207,7 +214,10 @@ def standings(league: League, outcomes: Outcomes) -> Standings:
         figures[key] = CellFigures(**found)
     rankings = tuple(_ranking(one, league, outcomes, entrants, worlds, rows) for one in CRITERIA)
     verdicts = _verdicts(league, entrants, rankings, figures)
-    return Standings(league, outcomes, entrants, worlds, figures, rows, rankings, verdicts)
+    return Standings(
+        league, outcomes, entrants, worlds, figures, rows, rankings, verdicts,
+        missing(asked or {}, outcomes),
+    )  # fmt: skip
 
 
 def _costs(
@@ -216,7 +226,8 @@ def _costs(
     """Columns of `COSTS`; messages a robot and second, nan where the controller does not say."""
     found = {name: outcomes.column(name) for name in COSTS}
     with np.errstate(invalid="ignore", divide="ignore"):
-        found["messages"] /= outcomes.column("robots") * outcomes.column("seconds")
+        each = outcomes.column("robots") * outcomes.column("seconds")
+        found["messages"] = found["messages"] / each
     alone = np.isnan(found["formation_error_rms"])
     when = {one.name: one.told for one in league.entrants}
     for (_, name), cell in rows.items():
@@ -313,6 +324,8 @@ class Together(NamedTuple):
     contact_free: float
     arrived: float
     both: int
+    """seeds that it and the reference solve, of worlds with `FEWEST_SOLVED` or more; what follows
+    is of these"""
     ratio: float
     beside: Mapping[str, tuple[float, float]]
     own: Mapping[str, float]
@@ -327,15 +340,15 @@ def together(found: Standings, name: str, worlds: Iterable[str]) -> Together:
     def mean(values: Iterable[float]) -> float:
         return _mean(np.array([*values], float))
 
-    solved = [one for one in cells if one.both]
+    solved = [one for one in cells if one.both >= FEWEST_SOLVED]
     return Together(
         len(cells),
         sum(one.entrant == name and one.world in worlds for one in found.league.refused),
         {word: sum(one.came[word] for one in cells) for word in OUTCOMES},
         mean(one.contact_free.share for one in cells),
         mean(one.arrived.share for one in cells),
-        sum(one.both for one in cells),
-        _exp(mean(np.log(one.ratio[0]) for one in solved)),
+        sum(one.both for one in solved),
+        _exp(mean(one.pace for one in solved)),
         {cost: (mean(one.beside[cost][0] for one in solved),
                 mean(one.beside[cost][1] for one in solved)) for cost in COSTS},
         {cost: mean(one.own[cost] for one in cells) for cost in COSTS},

@@ -5,44 +5,46 @@ Every sentence is made from the figures of `standings`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from math import isnan
 from pathlib import Path
 from typing import NamedTuple
 
 from physim._version import __version__
 from physim.blocks import Block, Words, html, markdown
-from physim.campaigns.league import OUTCOMES, STUCK, outcome_of
+from physim.campaigns.league import STUCK, outcome_of
 from physim.campaigns.report.league import (
-    COSTS,
     FAILS,
     FEWEST_SOLVED,
     HOLDS,
     OPEN,
     PARTLY,
-    CellFigures,
-    Ranking,
     Standings,
-    Together,
     Verdict,
-    together,
+)
+from physim.campaigns.report.league_tables import (
+    by_arrival,
+    cell_costs,
+    cell_table,
+    cost_table,
+    matrix,
+    outcome_table,
+    value_of,
+    world_table,
 )
 from physim.campaigns.report.pictures import film_of
-from physim.campaigns.report.text import Table, replay
+from physim.campaigns.report.text import Table, missing_words, replay
 from physim.campaigns.rows import Row
 from physim.drawing.page.colours import styles
 from physim.errors import PhysimError, plural
-from physim.units import count, interval, joined, percent, span
+from physim.units import count, joined, percent
 
 TITLE, GENERATOR = "The league of controllers", "physim league"
 MARKDOWN, PAGE = "LEAGUE.md", "league.html"
 CLAIM = "outperforms some state-of-the-art methods"
 MOST_TOLD = 5
 """Refusals and errors that the terminal tells"""
-SIGNS = {1: "+", -1: "−", 0: "·"}
 COLOURS = {HOLDS: "met", PARTLY: "partly met", FAILS: "not met", OPEN: "undecided"}
-COST_HEADS = ("deviation, rms [m]", "formation error, rms [m]", "speed changes [m/s²]",
-              "rotation changes [rad/s²]", "messages [1/s]")  # fmt: skip
 
 
 class Film(NamedTuple):
@@ -74,7 +76,7 @@ def films_of(
     Code of one's own is run only where it is among ``controllers``. Raises PhysimError where a film
     cannot be written.
     """
-    names = [name for name, _ in _by_arrival(found, found.worlds)]
+    names = [name for name, _ in by_arrival(found, found.worlds)]
     every = [Film(name, *one) for name in names for one in found.films(name)]
     every.sort(key=lambda film: film.which != "worst")
     made = 0
@@ -100,9 +102,11 @@ def content(found: Standings, folder: str, films: Sequence[Film], command: str) 
         f"{count(runs)} runs{between}. Every number, sign and verdict on this page was computed "
         "from these runs by ", Words("code", command), "; contacts are those of the physics.",
     )  # fmt: skip
+    if found.missing:
+        yield "p", Words("strong", missing_words(found.missing))
     yield "h2", "The answer"
     yield from (("p", *line) for line in answer(found))
-    yield "table", _outcome_table(found, found.worlds, costs=True)
+    yield "table", outcome_table(found, found.worlds, costs=True)
     yield "h3", "Who is surely better"
     yield (
         "p", "+ : the entrant of the row is surely better than that of the column; − : surely "
@@ -114,17 +118,28 @@ def content(found: Standings, folder: str, films: Sequence[Film], command: str) 
             "p", Words("strong", ranking.criterion.title.capitalize()),
             f" (value: {ranking.criterion.value})",
         )  # fmt: skip
-        yield "table", _matrix(found, ranking)
+        yield "table", matrix(found, ranking)
     if found.verdicts:
         yield "h2", f"Where {found.reference} wins and where it loses"
         for verdict in found.verdicts:
-            yield "p", *_where(found, verdict)
+            head = Words("strong", f"Against {verdict.entrant} it {verdict.verdict}")
+            yield "p", head, ": ", _against(found, verdict)
+        yield (
+            "p", f"World by world, the number of seeds with which {found.reference} alone arrives "
+            "without contact, and with which the entrant alone does. + : a difference is shown "
+            f"(p of at most 0.05 after correction), {found.reference} wins; − : it loses; · : no "
+            "difference is shown.",
+        )  # fmt: skip
+        yield "table", world_table(found, "rate")
+        yield "p", "The same of runs without contact, whether they arrive or not."
+        yield "table", world_table(found, "contact_free")
     yield "h2", "What it costs"
     yield (
         "p", f"Over the runs that the entrant and {found.reference} both solve; in parentheses the "
-        f"value of {found.reference} over the same runs. Means over worlds, which weigh alike.",
+        f"value of {found.reference} over the same runs. Means over worlds with at least "
+        f"{FEWEST_SOLVED} such runs, which weigh alike.",
     )  # fmt: skip
-    yield "table", _cost_table(found, found.worlds)
+    yield "table", cost_table(found, found.worlds)
     if films:
         yield "h2", "Best and worst runs"
         yield "p", FILMS
@@ -139,14 +154,14 @@ def content(found: Standings, folder: str, films: Sequence[Film], command: str) 
             if there:
                 yield "h3", group.name
                 yield "p", ", ".join(there)
-                yield "table", _outcome_table(found, there)
-                yield "table", _cost_table(found, there)
+                yield "table", outcome_table(found, there)
+                yield "table", cost_table(found, there)
     yield "h2", "Every world"
     for world in found.worlds:
         yield "h3", world
-        yield "table", _cell_table(found, world)
+        yield "table", cell_table(found, world)
         yield from (("p", line) for line in _troubles(found, world))
-        yield "table", _cell_costs(found, world)
+        yield "table", cell_costs(found, world)
     yield "h2", "Who takes part"
     yield "table", [("entrant", "controller", "settings", "told of others", ""), *(
         (one.name, one.controller, one.values.replace("controller.", "") or "by default",
@@ -201,8 +216,8 @@ DEFINITIONS = (
      "all pairs at once with about 95 %: seeds are drawn anew within each world, 2000 times, the "
      "same for all entrants"),
     ("makespan", "time until the last robot stood at its stop station; ratios are to the "
-     f"reference, over seeds that both solve; in the ranking of worlds with {FEWEST_SOLVED} such "
-     "seeds or more"),
+     f"reference, over seeds that both solve; means over worlds (of logarithms) are of those with "
+     f"{FEWEST_SOLVED} such seeds or more"),
     ("deviation", "root mean square of the distance from the own path until arrival"),
     ("formation error", "root mean square of (10) of the paper, in worlds with a formation"),
     ("speed changes, rotation changes", "sum of |Δv| and of |Δω| of the commands of a robot, per "
@@ -217,8 +232,13 @@ DEFINITIONS = (
 
 def answer(found: Standings) -> Iterator[tuple[str | Words, ...]]:
     """The verdict, and who is safe, gets through, and at what cost: lines of words."""
-    own = {one.name for one in found.entrants if one.is_own}
-    judged = [one for one in found.verdicts if one.entrant not in own]
+    by_name = {one.name: one for one in found.entrants}
+    its = by_name[found.reference].controller if found.reference in by_name else ""
+    judged = []
+    for one in found.verdicts:
+        rival = by_name[one.entrant]
+        if not rival.is_own and rival.controller != its:
+            judged.append(one)
     if not judged:
         yield (
             f"No verdict on the paper's claim: {found.reference} has no runs here beside those of "
@@ -238,11 +258,10 @@ def answer(found: Standings) -> Iterator[tuple[str | Words, ...]]:
         yield (
             "It holds against an entrant where it is surely more often without contact, or surely "
             "arrives more often without contact, and is surely worse in neither; in part where it "
-            "is better in one and worse in the other. Time is a price beside that.",
+            "is better in one and worse in the other. Time is a price beside that. Settings of its "
+            "own controller and controllers of one's own have no say in it.",
         )
-    for one in found.verdicts:
-        head = Words("strong", f"Against {one.entrant} it {one.verdict}")
-        yield head, ": ", _against(found, one)
+    yield from _won_and_lost(found)
     yield from _leaders(found)
 
 
@@ -259,15 +278,14 @@ def _against(found: Standings, one: Verdict) -> str:
         if name == "time":
             ratio = 1.0 / ranking.values[k]
             way = "longer" if ratio > 1.0 else "shorter"
-            size = (
-                f"{sure}{percent(abs(ratio - 1.0), 0)} {way}" if round(100 * abs(gap)) else "alike"
-            )
-            said.append(f"where both arrive its makespan is {size}")
+            size = percent(abs(ratio - 1.0), 0)
+            how = f"{sure}{size} {way}" if round(100.0 * abs(gap)) else "alike"
+            said.append(f"where both arrive its makespan is {how}")
         else:
             what = "is without contact" if name == "contact_free" else "arrives without contact"
             points = round(100.0 * abs(gap))
             way = "more" if gap > 0.0 else "less"
-            how = f"{sure}{way} often, by {points} points" if points else "as often"
+            how = f"{sure}{way} often, by {plural(points, 'point')}" if points else "as often"
             said.append(f"it {what} {how}")
     return f"{'; '.join(said)}." if said else "they have no runs to compare."
 
@@ -279,7 +297,7 @@ def _leaders(found: Standings) -> Iterator[tuple[str | Words, ...]]:
         every = [k for k, value in enumerate(ranking.values) if not isnan(value)]
         first = [k for k in every if not any(ranking.sure(a, k) > 0 for a in every if a != k)]
         first.sort(key=lambda k: ranking.values[k], reverse=ranking.criterion.name != "time")
-        names = [f"{found.entrants[k].name} ({_value(ranking, k)})" for k in first]
+        names = [f"{found.entrants[k].name} ({value_of(ranking, k)})" for k in first]
         if names and len(every) > 1:
             than = "nobody is surely better than " if len(first) < len(every) else (
                 "nobody is surely better than anybody: ")  # fmt: skip
@@ -289,111 +307,15 @@ def _leaders(found: Standings) -> Iterator[tuple[str | Words, ...]]:
             )  # fmt: skip
 
 
-def _value(ranking: Ranking, k: int) -> str:
-    value = ranking.values[k]
-    if isnan(value):
-        return "-"
-    return f"{value:.2f}" if ranking.criterion.name == "time" else percent(value, 0)
-
-
-def _matrix(found: Standings, ranking: Ranking) -> list[tuple[str, ...]]:
-    """Who is surely better than whom; entrants from the best value on."""
-    sign = 1.0 if ranking.criterion.name == "time" else -1.0
-    order = sorted(range(len(found.entrants)), key=lambda k: (
-        isnan(ranking.values[k]), sign * ranking.values[k]))  # fmt: skip
-    head = ("", "value", *(str(place) for place in range(1, len(order) + 1)))
-    return [head, *(
-        (f"{place}. {found.entrants[a].name}", _value(ranking, a),
-         *("" if a == b else SIGNS[ranking.sure(a, b)] for b in order))
-        for place, a in enumerate(order, 1)
-    )]  # fmt: skip
-
-
-def _where(found: Standings, one: Verdict) -> tuple[str | Words, ...]:
-    """Worlds in which the reference is shown to win against an entrant, and to lose."""
-
-    def told(worlds: Sequence[str]) -> str:
-        return joined([f"{world} ({_won(found.cells[world, one.entrant])})" for world in worlds])
-
-    rest = sum(1 for world, name in found.cells if name == one.entrant)
-    rest -= len({*one.wins, *one.loses})
-    said = [f"wins in {told(one.wins)}"] if one.wins else ["is shown to win in no world"]
-    said += [f"loses in {told(one.loses)}"] if one.loses else ["is shown to lose in none"]
-    more = f"; no difference is shown in {plural(rest, 'other world')}" if rest else ""
-    return (Words("strong", f"Against {one.entrant}"),
-            f", {found.reference} {' and '.join(said)}{more}.")  # fmt: skip
-
-
-def _won(cell: CellFigures) -> str:
-    """``arrives alone with 20 seeds, the other with 1``; by contacts where these decide."""
-    for name, verb in (("rate", "alone arrives"), ("contact_free", "alone is without contact")):
-        finding = cell.against.get(name)
-        if finding is not None and finding.better:
-            return f"{verb} with {finding.only_a} of {finding.pairs} seeds, the other with " + str(
-                finding.only_b
-            )
-    return ""
-
-
-def _outcome_table(
-    found: Standings, worlds: Iterable[str], costs: bool = False
-) -> list[tuple[str | Words, ...]]:
-    """What came of the runs of each entrant in some worlds, and in short what they cost."""
-    worlds = list(worlds)
-    more = ("makespan ratio", "messages [1/s]", "decision") if costs else ()
-    rows: list[tuple[str | Words, ...]] = [
-        ("entrant", "worlds", *OUTCOMES, "without contact", "arrived without contact", *more)
-    ]
-    for name, of in _by_arrival(found, worlds):
-        where = str(of.worlds) + (f" ({of.refused} cannot)" if of.refused else "")
-        rows.append((name, where, *(count(of.came[word]) for word in OUTCOMES),
-                     percent(of.contact_free), percent(of.arrived),
-                     *((_ratio(found, name, of.ratio), _number(of.own["messages"]),
-                        _span(of.decision[0])) if costs else ())))  # fmt: skip
-    return rows
-
-
-def _by_arrival(found: Standings, worlds: Sequence[str]) -> list[tuple[str, Together]]:
-    each = [(one.name, together(found, one.name, worlds)) for one in found.entrants]
-    each = [pair for pair in each if pair[1].worlds or pair[1].refused]
-    return sorted(each, key=lambda pair: (isnan(pair[1].arrived), -pair[1].arrived))
-
-
-def _cost_table(found: Standings, worlds: Iterable[str]) -> list[tuple[str | Words, ...]]:
-    rows: list[tuple[str | Words, ...]] = [
-        ("entrant", "runs both solve", "makespan ratio", *COST_HEADS, "decision, median", "99 %")
-    ]
-    for name, of in _by_arrival(found, list(worlds)):
-        is_reference = name == found.reference
-        rows.append((
-            name, "" if is_reference else count(of.both), _ratio(found, name, of.ratio),
-            *(_number(of.own[c]) if is_reference else _pair(of.beside[c]) for c in COSTS),
-            *map(_span, of.decision),
-        ))  # fmt: skip
-    return rows
-
-
-def _cell_table(found: Standings, world: str) -> list[tuple[str | Words, ...]]:
-    rows: list[tuple[str | Words, ...]] = [(
-        "entrant", "runs", *OUTCOMES, "without contact [95 %]", "arrived without contact [95 %]",
-        f"arrives alone: {found.reference} : it", "p",
-    )]  # fmt: skip
-    refused = {one.entrant for one in found.league.refused if one.world == world}
-    for one in found.entrants:
-        cell = found.cells.get((world, one.name))
-        if cell is None:
-            if one.name in refused:
-                rows.append((one.name, "cannot", *[""] * (len(rows[0]) - 2)))
-            continue
-        test = cell.against.get("rate")
-        rates = (f"{percent(rate.share)} {interval(rate.low, rate.high)}"
-                 for rate in (cell.contact_free, cell.arrived))  # fmt: skip
-        rows.append((
-            one.name, count(cell.runs), *(count(cell.came[word]) for word in OUTCOMES), *rates,
-            *(("", "") if test is None else (f"{test.only_a} : {test.only_b}", _p(test.p_corrected)
-              if test.is_tested else "too few")),
-        ))  # fmt: skip
-    return rows
+def _won_and_lost(found: Standings) -> Iterator[tuple[str | Words, ...]]:
+    """Worlds in which the reference is shown to win against somebody, and to lose."""
+    for head, which in (("Wins", "wins"), ("Loses", "loses")):
+        by = {world: [v.entrant for v in found.verdicts if world in getattr(v, which)]
+              for world in found.worlds}  # fmt: skip
+        told = [f"{world} ({', '.join(names)})" for world, names in by.items() if names]
+        if found.verdicts:
+            where = f"in {joined(told)}" if told else "in no world is that shown"
+            yield Words("strong", f"{head} world by world"), f" (against): {where}."
 
 
 def _troubles(found: Standings, world: str) -> Iterator[str]:
@@ -407,30 +329,6 @@ def _troubles(found: Standings, world: str) -> Iterator[str]:
             reasons = dict.fromkeys(row.reason or row.ended for row in failed)
             if failed:
                 yield f"{name}: {plural(len(failed), 'error')}: {next(iter(reasons))}"
-
-
-def _cell_costs(found: Standings, world: str) -> list[tuple[str | Words, ...]]:
-    rows: list[tuple[str | Words, ...]] = [(
-        "entrant", "runs both solve", "makespan ratio [95 %]", *COST_HEADS, "own makespan [s]",
-        "own deviation [m]", "decision, median", "99 %",
-    )]  # fmt: skip
-    for one in found.entrants:
-        cell = found.cells.get((world, one.name))
-        if cell is None:
-            continue
-        ratio, low, high = cell.ratio
-        is_reference = one.name == found.reference
-        beside = cell.beside or {cost: (cell.own[cost] if is_reference else float("nan"),) * 2
-                                 for cost in COSTS}  # fmt: skip
-        span_ = "" if isnan(ratio) else f" [{_number(low)}, {_number(high)}]"
-        rows.append((
-            one.name, "" if is_reference else count(cell.both),
-            "1" if is_reference else f"{_number(ratio)}{span_}",
-            *(_number(beside[c][0]) if is_reference else _pair(beside[c]) for c in COSTS),
-            _number(cell.own["time_to_finish"], 1), _number(cell.own["deviation_rms"]),
-            *map(_span, cell.decision),
-        ))  # fmt: skip
-    return rows
 
 
 def _film_words(film: Film) -> str:
@@ -461,37 +359,19 @@ def _came(row: Row) -> str:
     return f"{word} after {row.seconds:.0f} s"
 
 
-def _ratio(found: Standings, name: str, ratio: float) -> str:
-    return "1" if name == found.reference else _number(ratio)
-
-
-def _number(value: float, digits: int = 2) -> str:
-    if isnan(value):
-        return "-"
-    return "unbounded" if value in (float("inf"), float("-inf")) else f"{value:.{digits}f}"
-
-
-def _pair(values: tuple[float, float]) -> str:
-    return "-" if isnan(values[0]) else f"{_number(values[0])} ({_number(values[1])})"
-
-
-def _span(seconds: float) -> str:
-    return "-" if isnan(seconds) else span(seconds)
-
-
-def _p(value: float) -> str:
-    return f"{value:.2g}" if value >= 1e-4 else "< 0.0001"
-
-
 def _hours(seconds: float) -> str:
     return f"{seconds / 3600.0:.1f} h" if seconds >= 3600.0 else f"{seconds / 60.0:.1f} min"
 
 
+def said(found: Standings) -> list[str]:
+    """The answer as plain lines."""
+    return ["".join(w if isinstance(w, str) else w.text for w in line) for line in answer(found)]
+
+
 def league_text(found: Standings) -> str:
     """What the terminal tells: the answer, and the table of all worlds."""
-    lines = ["".join(w if isinstance(w, str) else w.text for w in line) for line in answer(found)]
-    head, *rows = _outcome_table(found, found.worlds)
+    head, *rows = outcome_table(found, found.worlds)
     table = Table("", tuple(map(str, head)), [tuple(map(str, row)) for row in rows])
     troubles = [f"{world}: {line}" for world in found.worlds for line in _troubles(found, world)]
     rest = [f"{len(troubles) - MOST_TOLD} more in {MARKDOWN}"] * (len(troubles) > MOST_TOLD)
-    return "\n".join([str(table), "", *lines, *troubles[:MOST_TOLD], *rest]) + "\n"
+    return "\n".join([str(table), "", *said(found), *troubles[:MOST_TOLD], *rest]) + "\n"

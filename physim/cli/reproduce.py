@@ -47,8 +47,8 @@ def reproduce(
 
     figures: 1, 2, 3, 3a, 4, 6, 7, 8 (5 is the flow chart of the rules)
     studies: alpha, energy, bends, routes, avoidance, switching, hysteresis,
-             thresholds, updates, operation; of polytope_vo: eight, corridor,
-             turnaround, random
+             thresholds, updates, operation
+    studies of polytope_vo: eight, corridor, turnaround, random
 
     written to DIR:
       reproduction.html   one page with everything in it; videos beside it

@@ -18,16 +18,18 @@ With ``shape: circle`` the cones are those of the discs, too.
 
 Departures: what counts for the range is the nearest point of a body (``range_of: mean`` is the
 source's), and a wall is cut off there; nonconvex footprints have a cone for each pair of convex
-parts; discs of robots lie about their reference points; near its stop a robot is slower; commands
-are not rounded to two digits; cones may end at a ``horizon``. As in the source, where discs overlap
-already t is 0 for all candidates, and the first is taken, the one of the least x and y. The
-velocity is projected on the heading and turned to: neither turning nor the error of the heading is
-in the cones.
+parts; discs of robots lie about their reference points; near its stop a robot is slower; cones may
+end at a ``horizon``. The velocity is projected on the heading and turned to: neither turning nor
+the error of the heading is in the cones.
+
+Two things of the source look like chance, and decide courses: where discs overlap already t is 0
+for all candidates, and the first is taken, the one of the least x and y; the grid about standing
+still misses it by a rounding, so that what stands before a wall has to go on.
 """
 
 from __future__ import annotations
 
-from math import hypot, sqrt
+from math import floor, hypot, sqrt
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -103,6 +105,11 @@ class PolytopeVOSettings(NavigationSettings):
     turn_time: Positive = Field(
         default=0.2, description="[s] in which a robot turns to the velocity, if it can"
     )
+    rounding: NotNegative = Field(
+        default=0.01,
+        description="[m/s, rad/s] commands are multiples of it, as in the source; 0: not rounded. "
+        "It lets slow robots stand, and breaks symmetry",
+    )
 
 
 class Search(NamedTuple):
@@ -120,6 +127,7 @@ class Search(NamedTuple):
     grid: float
     penalty: float
     turn_time: float
+    rounding: float
 
 
 class Cones(NamedTuple):
@@ -334,10 +342,11 @@ def choose(cones: Cones, px: float, py: float, most: float) -> tuple[int, float,
     low_x, low_y = max(cones.ux - window, -most), max(cones.uy - window, -most)
     many_x = 1 + int((min(cones.ux + window, most) - low_x) / grid - STILL)
     many_y = 1 + int((min(cones.uy + window, most) - low_y) / grid - STILL)
+    step_x, step_y = (low_x + grid) - low_x, (low_y + grid) - low_y  # as numpy's arange has it
     best, nearest, found_x, found_y = np.inf, np.inf, 0.0, 0.0
     for i in range(many_x):
         for j in range(many_y):
-            x, y = low_x + grid * i, low_y + grid * j
+            x, y = low_x + step_x * i, low_y + step_y * j
             off = hypot(x - px, y - py)
             nearest = min(nearest, off)
             if off < best and is_free(cones, x, y):  # (5.)
@@ -347,7 +356,7 @@ def choose(cones: Cones, px: float, py: float, most: float) -> tuple[int, float,
     found_x, found_y = low_x, low_y
     for i in range(many_x):
         for j in range(many_y):
-            x, y = low_x + grid * i, low_y + grid * j
+            x, y = low_x + step_x * i, low_y + step_y * j
             time = disc_time(cones, x, y)
             if time > 0.0 and cones.by.penalty / time + hypot(x - px, y - py) < best:  # (6.)
                 best = cones.by.penalty / time + hypot(x - px, y - py)
@@ -405,9 +414,13 @@ def put_polytope_vo(
     for k in range(asked.size):
         i, heading = asked.robot[k], bodies.pose[asked.row[k], 2]
         rule[k] = put_choice(team, bodies, asked, by, k, chosen[k])
-        command[k, 0], command[k, 1] = project_and_turn(
+        v, omega = project_and_turn(
             chosen[k, 0], chosen[k, 1], heading, team.limits[i, 0], team.limits[i, 1], by.turn_time
         )
+        if by.rounding > 0.0:
+            v = by.rounding * floor(v / by.rounding + 0.5)
+            omega = by.rounding * floor(omega / by.rounding + 0.5)
+        command[k, 0], command[k, 1] = v, omega
 
 
 class PolytopeVO(Navigating):
@@ -436,6 +449,7 @@ class PolytopeVO(Navigating):
             s.kind != "vo", s.kind == "hrvo", s.shape == "circle", s.range_of == "nearest",
             s.margin, s.neighbour_range,
             1.0 / s.horizon if s.horizon else 0.0, s.window, s.grid, s.penalty, s.turn_time,
+            s.rounding,
         )  # fmt: skip
         command, rule, chosen = np.empty((many, 2)), np.empty(many, np.int64), np.empty((many, 2))
         put_polytope_vo(team, bodies, asked, by, command, rule, chosen)

@@ -20,6 +20,7 @@ PICTURE = re.compile(r"(\d[a-z]?|study)-[a-z_]+\.png")
 
 def reproduce(
     *,
+    paper: str | None = None,
     figure: str | None = None,
     study: str | None = None,
     output: Output = Path('reproduction'),
@@ -29,10 +30,12 @@ def reproduce(
     force: bool = False,
     quiet: bool = False,
 ) -> int:  # fmt: skip
-    """Repeat the experiments of the paper, draw its figures and make videos. Compare what the paper
+    """Repeat the experiments of a paper, draw its figures and make videos. Compare what the paper
     reports with what is measured, with a verdict for every claim.
 
     options:
+      --paper NAME  mode_switching, the paper that physim implements, or polytope_vo, the one on
+                    polytope velocity obstacles (mode_switching)
       --figure N  run only what this figure of the paper needs
       --study NAME  run only this study, of a claim that the paper makes in words
       -o, --output DIR  folder to write to (reproduction)
@@ -45,6 +48,7 @@ def reproduce(
     figures: 1, 2, 3, 3a, 4, 6, 7, 8 (5 is the flow chart of the rules)
     studies: alpha, energy, bends, routes, avoidance, switching, hysteresis,
              thresholds, updates, operation
+    studies of polytope_vo: eight, corridor, turnaround, random
 
     written to DIR:
       reproduction.html   one page with everything in it; videos beside it
@@ -60,6 +64,7 @@ def reproduce(
     examples:
       physim reproduce --quick
       physim reproduce --figure 6 -o fig6
+      physim reproduce --paper polytope_vo -o velocity_obstacles
     """
     if figure is not None and study is not None:
         raise PhysimError("--study: cannot be combined with --figure")
@@ -69,9 +74,9 @@ def reproduce(
     from physim.reproduction.run import PICTURES, make_plan
     from physim.reproduction.run import reproduce as run_all
 
-    given = [("--figure", figure), ("--study", study)]
+    given = [("--paper", paper), ("--figure", figure), ("--study", study)]
     command = ["physim", "reproduce", *(word for one in given if one[1] for word in one if word)]
-    plan = make_plan(figure, study, quick, not no_video)
+    plan = make_plan(figure, study, quick, not no_video, paper)
     check_unwritten(output / JSON)
     made = [output / name for name in (PICTURES, *plan.worlds, *PAGES)]
     Target(output, force).folder(made, empty=True)

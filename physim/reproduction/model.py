@@ -255,6 +255,8 @@ class Report:
     figures: dict[str, dict[str, float]] = field(default_factory=dict)
     """figures of the pictured runs by world; absent where they have no meaning"""
     interrupted: bool = False
+    paper: str = "mode_switching"
+    """name of one of `physim.reproduction.papers`"""
 
     @property
     def rows(self) -> tuple[Verdict, ...]:

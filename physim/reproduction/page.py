@@ -13,16 +13,16 @@ from physim.blocks import Block, Words, html, markdown
 from physim.drawing.page.colours import styles
 from physim.errors import plural
 from physim.reproduction.model import Outcome, Part, Report, Section, Verdict
+from physim.reproduction.papers import papers
 
-TITLE = "The paper, reproduced"
 MARKDOWN, HTML, JSON = "REPRODUCTION.md", "reproduction.html", "reproduction.json"
 PAGES = (MARKDOWN, HTML, JSON)
 
 
 def content(report: Report) -> Iterator[Block]:
     """What the page says."""
-    physim = Words("code", "physim")
-    yield "h1", TITLE
+    physim, paper = Words("code", "physim"), papers()[report.paper]
+    yield "h1", paper.title
     yield (
         "p", "What the paper reports, beside what ", physim, f" {report.physim} measures: "
         "every number and every verdict on this page was computed by ",
@@ -49,30 +49,8 @@ def content(report: Report) -> Iterator[Block]:
             yield "h3", "Where we differ from the paper"
             yield "table", [("claim", "where", "reported", "measured", "verdict"), *differing]
     yield "h2", "How to read it"
-    yield (
-        "p", "The paper aims at path following, formation control and collision avoidance that let "
-        "several robots move together through confined space, decentralised and cooperative; its "
-        "funding note is NSFC 62203133. Only its text, with the numbers of equations and figures, "
-        "is available to us; its title, its authors and its printed formulas are not, and the "
-        "formulas are restored from the text.",
-    )  # fmt: skip
-    yield (
-        "p", "The paper's waypoints, robot shapes and thresholds are unknown; worlds, footprints "
-        "and settings are ours, tuned so that the reported figures come out in the same range. A "
-        "measured figure is that of one run, the one in the pictures; beside it stand the median "
-        f"and, in parentheses, the range over other random headings (seeds 0 to {report.seeds - 1})"
-        " and the number of these runs that meet the claim. A claim is met when the run in the "
-        "pictures and nine tenths of the others meet it (all of them, where the paper says always "
-        "or never), partly met when only one of the two does or a weaker form of it holds. Claims "
-        "about avoidance are also tested on the same runs without it; one that holds there, too, "
-        "is marked as such: it is no evidence for avoidance.",
-    )  # fmt: skip
-    yield (
-        "p", "Two of our rules depart from the paper's: in a formation the speed pair of (5) is a "
-        "choice of omega alone, as (7) gives the forward speed; and in (11) boundaries count "
-        "within the sensing range only, so that a robot on its way into one beyond reports no "
-        "collision time. The modules of the controller list these and smaller departures.",
-    )  # fmt: skip
+    for text in paper.about:
+        yield "p", text.format(last=report.seeds - 1)
     for section in report.sections:
         yield from _section(section)
 
@@ -137,6 +115,6 @@ def pages(report: Report, folder: Path) -> dict[str, str]:
     blocks = list(content(report))
     style = styles("reproduction.css")
     return {
-        MARKDOWN: markdown(blocks), HTML: html(TITLE, blocks, folder, style),
+        MARKDOWN: markdown(blocks), HTML: html(papers()[report.paper].title, blocks, folder, style),
         JSON: report.to_json(),
     }  # fmt: skip

@@ -16,7 +16,6 @@ from physim.drawing.plots.map import trajectories
 from physim.drawing.plots.pictures import PICTURES as PLOTS
 from physim.errors import PhysimError, nearest, plural
 from physim.record import Record
-from physim.reproduction.claims import parts
 from physim.reproduction.measures import Measures, measures
 from physim.reproduction.model import (
     PAIR_TIMES,
@@ -27,8 +26,8 @@ from physim.reproduction.model import (
     Report,
     Section,
 )
+from physim.reproduction.papers import FIRST, Paper, papers
 from physim.reproduction.pictures import pair_times, picture, study_plot
-from physim.reproduction.studies import studies
 from physim.reproduction.study import Runs, Study
 from physim.simulation.run import simulate
 from physim.world.file import load_world
@@ -81,7 +80,7 @@ def show(
     from physim.drawing.video import render
 
     files, path = [], folder / world / "record.h5"
-    mine = [part for part in parts() if part.figure in figures]
+    mine = [part for part in FIRST.parts() if part.figure in figures]
     with simulate(load_world(world), path=path, overwrite=True, stop=stop) as record:
         if record.ended == "interrupted":
             os.unlink(path)
@@ -109,6 +108,7 @@ def show(
 class Plan:
     """What is to be reproduced, and how thoroughly."""
 
+    paper: Paper
     parts: tuple[Part, ...]
     studies: tuple[Study, ...]
     quick: bool = False
@@ -165,24 +165,37 @@ def shown_of(world: str) -> tuple[str, str]:
 
 
 def make_plan(
-    figure: str | None = None, study: str | None = None, quick: bool = False, films: bool = True
+    figure: str | None = None,
+    study: str | None = None,
+    quick: bool = False,
+    films: bool = True,
+    paper: str | None = None,
 ) -> Plan:
-    """Plan for everything, for one figure of the paper, or for one study.
+    """Plan for everything of a paper, the first unless named, for one figure of it, or one study.
 
     Raises PhysimError, with what is allowed, for one that is not there.
     """
-    chosen, experiments = parts(), studies()
+    known = papers()
+    if paper is not None and paper not in known:
+        raise PhysimError(
+            f'--paper "{paper[:100]}": not a paper; allowed: {", ".join(known)}'
+            + nearest(paper[:100], list(known))
+        )
+    one = known[paper] if paper else FIRST
+    chosen, experiments = one.parts(), one.studies()
+    if figure is not None and not chosen:
+        raise PhysimError(f"--figure: the paper {one.name} has studies only; use --study")
     if figure is not None:
         chosen, experiments = _figure(figure.strip(), chosen), ()
     if study is not None:
-        names = [one.name for one in experiments]
+        names = [each.name for each in experiments]
         if study not in names:
             raise PhysimError(
                 f'--study "{study[:100]}": not a study; allowed: {", ".join(names)}'
                 + nearest(study[:100], names)
             )
-        chosen, experiments = (), tuple(one for one in experiments if one.name == study)
-    return Plan(chosen, experiments, quick, films)
+        chosen, experiments = (), tuple(each for each in experiments if each.name == study)
+    return Plan(one, chosen, experiments, quick, films)
 
 
 def _figure(figure: str, chosen: tuple[Part, ...]) -> tuple[Part, ...]:
@@ -229,7 +242,9 @@ def reproduce(
         for world in reversed(plan.worlds)
         if world in found
     }
-    return Report(__version__, command, plan.seeds, tuple(sections), figures, stop())
+    return Report(
+        __version__, command, plan.seeds, tuple(sections), figures, stop(), plan.paper.name
+    )
 
 
 def _part_section(part: Part, plan: Plan, found: Found) -> Section:
@@ -265,7 +280,8 @@ def _part_section(part: Part, plan: Plan, found: Found) -> Section:
 def _study_section(study: Study, plan: Plan, found: Found, folder: Path) -> Section:
     """An experiment: its verdicts and its plot, which is drawn here."""
     table = plan.table(study, found)
-    commands = [f"physim reproduce --study {study.name}"]
+    of = "" if plan.paper is FIRST else f" --paper {plan.paper.name}"
+    commands = [f"physim reproduce{of} --study {study.name}"]
     if len(study.arms) <= MOST_ARMS and all(arm.text is None for arm in study.arms):
         for arm in study.arms:
             sets = "".join(f" --set {shlex.quote(one)}" for one in arm.overrides)

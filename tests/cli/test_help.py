@@ -6,11 +6,11 @@ import re
 
 import pytest
 
-from physim.reproduction.studies import studies
 from tests.cli.commands import physim
 from tests.helpers import inside
 
 COMMANDS, GROUPS, app_of = inside("physim.cli", "COMMANDS", "GROUPS", "app_of")
+papers = inside("physim.reproduction", "papers")
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -46,5 +46,6 @@ def test_physim_alone_prints_the_help_with_every_command_on_one_screen(monkeypat
 
 def test_the_help_of_reproduce_names_every_study(capsys) -> None:
     told = physim("reproduce", "--help", capture=capsys).out
-    (names,) = re.findall(r"^studies: (.*\n(?: +.*\n)*)", told, re.MULTILINE)
-    assert re.split(r",\s+", names.strip()) == [study.name for study in studies()]
+    lists = re.findall(r"^studies(?: of \w+)?: (.*\n(?: +.*\n)*)", told, re.MULTILINE)
+    known = [[study.name for study in paper.studies()] for paper in papers().values()]
+    assert [re.split(r",\s+", names.strip()) for names in lists] == known

@@ -108,7 +108,7 @@ def hulls(scene: Any, i: int, pose: np.ndarray, velocity: np.ndarray) -> list[An
 
 def candidates(velocity: np.ndarray) -> np.ndarray:
     """The grid about a velocity, limits of 1.2 m/s."""
-    axes = [np.arange(max(one - 0.5, -1.2), min(one + 0.5, 1.2) - 1e-3, 0.05) for one in velocity]
+    axes = [np.arange(max(one - 0.5, -1.2), min(one + 0.5, 1.2) - 5e-5, 0.05) for one in velocity]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
 
 

@@ -14,13 +14,12 @@ import re
 import pytest
 
 from physim import simulate
-from physim.reproduction.studies import studies
 from physim.world.file import load_world
 from tests import reproduction_docs as docs
 from tests.helpers import inside
 
 ORDER, measures = inside("physim.reproduction", "ORDER", "measures")
-parts, shown = inside("physim.reproduction", "parts", "shown")
+parts, papers, shown = inside("physim.reproduction", "parts", "papers", "shown")
 Report, Claim, Measures = inside("physim.reproduction", "Report", "Claim", "Measures")
 Outcome, Part, Verdict = inside("physim.reproduction", "Outcome", "Part", "Verdict")
 
@@ -37,9 +36,7 @@ LARGEST_PICTURE = 150_000
 """bytes"""
 WORLDS = ("single_robot", "three_robots", "ten_robots")
 
-report = pytest.fixture(scope="module")(
-    lambda: Report.from_json(docs.REPORT.read_text(encoding="utf-8"))
-)
+report = pytest.fixture(scope="module")(lambda: docs.report_of("mode_switching"))
 
 
 @functools.cache
@@ -54,8 +51,10 @@ def claims_of(part: Part, report: Report) -> list[tuple[Claim, Verdict]]:
     return list(zip(part.claims, section.rows, strict=True))
 
 
-def test_page_is_written_from_its_report(report: Report) -> None:
-    assert docs.PAGE.read_text(encoding="utf-8") == docs.text_of(report), (
+@pytest.mark.parametrize("paper", docs.PAGES)
+def test_page_is_written_from_its_report(paper: str) -> None:
+    written = docs.PAGES[paper].read_text(encoding="utf-8")
+    assert written == docs.text_of(docs.report_of(paper)), (
         "python -m tests.reproduction_docs writes it anew"
     )
 
@@ -65,8 +64,10 @@ def test_the_readme_tells_how_many_claims_are_met(report: Report) -> None:
     assert said == docs.claims(report)
 
 
-def test_every_part_and_study_is_there_whole(report: Report) -> None:
-    known = [part.figure for part in parts()] + [study.name for study in studies()]
+@pytest.mark.parametrize("paper", docs.PAGES)
+def test_every_part_and_study_is_there_whole(paper: str) -> None:
+    report, one = docs.report_of(paper), papers()[paper]
+    known = [part.figure for part in one.parts()] + [study.name for study in one.studies()]
     assert [section.key for section in report.sections] == known
     assert not report.interrupted
     assert not any(one.missing for one in report.sections)
@@ -74,11 +75,13 @@ def test_every_part_and_study_is_there_whole(report: Report) -> None:
     assert all(section.rows for section in report.sections)
 
 
-def test_pictures_are_there_and_small(report: Report) -> None:
-    shown = re.findall(r"\]\((reproduction/[^)]*)\)", docs.PAGE.read_text(encoding="utf-8"))
-    files = {docs.PAGE.parent / name for name in shown}
-    assert files == set(docs.PICTURES.glob("*.png"))
-    assert len(files) >= 19 + len(studies())
+@pytest.mark.parametrize(("paper", "least"), [("mode_switching", 29), ("polytope_vo", 4)])
+def test_pictures_are_there_and_small(paper: str, least: int) -> None:
+    page, folder = docs.PAGES[paper], docs.pictures_of(paper)
+    shown = re.findall(rf"\]\(({folder.name}/[^)]*)\)", page.read_text(encoding="utf-8"))
+    files = {page.parent / name for name in shown}
+    assert files == set(folder.glob("*.png"))
+    assert len(files) >= least
     for file in files:
         content = file.read_bytes()
         assert content.startswith(b"\x89PNG"), file.name

@@ -309,13 +309,14 @@ def _leaders(found: Standings) -> Iterator[tuple[str | Words, ...]]:
 
 def _won_and_lost(found: Standings) -> Iterator[tuple[str | Words, ...]]:
     """Worlds in which the reference is shown to win against somebody, and to lose."""
-    for head, which in (("Wins", "wins"), ("Loses", "loses")):
+    for which in ("wins", "loses"):
         by = {world: [v.entrant for v in found.verdicts if world in getattr(v, which)]
               for world in found.worlds}  # fmt: skip
         told = [f"{world} ({', '.join(names)})" for world, names in by.items() if names]
         if found.verdicts:
             where = f"in {joined(told)}" if told else "in no world is that shown"
-            yield Words("strong", f"{head} world by world"), f" (against): {where}."
+            words = Words("strong", f"Where {found.reference} {which}")
+            yield words, f" (and against whom): {where}."
 
 
 def _troubles(found: Standings, world: str) -> Iterator[str]:

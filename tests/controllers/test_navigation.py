@@ -114,3 +114,13 @@ def test_a_velocity_becomes_a_command() -> None:
     v, omega = project_and_turn(math.cos(6.1), math.sin(6.1), 6.2, 1.0, 1.5, 0.2)
     assert (v, omega) == pytest.approx((math.cos(0.1), -0.5))
     assert project_and_turn(0.0, 0.0005, 0.0, 1.0, 1.5, 0.2) == (0.0, 0.0)
+
+
+def test_who_comes_beside_its_stop_goes_to_it() -> None:
+    beside = WORLD.replace("pose: [6, 0, 1]", "pose: [29.9, -2, 0]").replace("[[9, -4]", "[[9, -5]")
+    simulation = Simulation(build_scene(parse_world(beside.format(""))), controller=Straight())
+    assert simulation.scene.stop_station[1] - simulation.now.station[1] <= 0.11
+    simulation.step(steps=200)
+    stop = simulation.scene.stop_station[1]
+    assert simulation.pose[1, :2] == pytest.approx([stop, 0.0], abs=0.26)  # a quarter of 1 m
+    assert not simulation.command[1].any()

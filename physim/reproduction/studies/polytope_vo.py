@@ -146,7 +146,7 @@ def turnaround(seed: int) -> str:
 
 
 def measure_trial(record: Record) -> Measures:
-    """How a trial ended, steps of 0.1 s till the last arrived, mean way, place of the first robot.
+    """How a trial ended, whole steps of 0.1 s till the last arrived, mean way, the first's place.
 
     Contacts count up to the end of the run; a robot's way ends where it arrives.
     """
@@ -163,7 +163,7 @@ def measure_trial(record: Record) -> Measures:
         "solved": float(solved),
         "collision": float(touched),
         "deadlock": float(not all_there and not touched),
-        "steps": float(record.time[first.max()]) / 0.1 if solved else math.nan,
+        "steps": float(math.ceil(record.time[first.max()] / 0.1 - 1e-9)) if solved else math.nan,
         "way": float(np.mean(ways)) if solved else math.nan,
         "x": float(place[-1, 0, 0]),
         "y": float(place[-1, 0, 1]),

@@ -47,6 +47,8 @@ FACTOR = 3.0
 """Numbers are drawn between a third of their default and three times that, evenly in logarithm"""
 FROM_ZERO = {"margin": 0.2, "nudge": 0.05}
 """Greatest values of those whose default may be 0, from which no factor leads"""
+ABSENT = {"horizon": (1.0, 30.0)}
+"""Range of those that are absent by default; of polytope_vo, whose cones end nowhere without it"""
 SAME = ("speed", "look_ahead", "update_period", "arrival_tolerance")
 """Settings that are the same for all controllers in the league, as their defaults are"""
 NOT_TUNED = ("constant", "path_following", "learned")
@@ -77,7 +79,7 @@ def tried(controller: str) -> list[Settings]:
 def drawn(model: type[BaseModel], controller: str, number: int) -> Settings:
     """Draw settings: numbers about their defaults, one of several words, yes or no.
 
-    Those that are absent by default, and lists, stay. What the controller refuses is drawn again.
+    Others that are absent by default, and lists, stay. What the controller refuses is drawn again.
     """
     rng = stream(SEED, f"tuning {controller}", number)
     while True:
@@ -90,6 +92,8 @@ def drawn(model: type[BaseModel], controller: str, number: int) -> Settings:
                 found[name] = str(rng.choice(get_args(kind)))
             elif isinstance(default, bool):
                 found[name] = bool(rng.random() < 0.5)
+            elif default is None and name in ABSENT:
+                found[name] = rounded(np.exp(rng.uniform(*np.log(ABSENT[name]))))
             elif name in FROM_ZERO:
                 found[name] = rounded(rng.uniform(0.0, FROM_ZERO[name]))
             elif isinstance(default, int | float):

@@ -418,8 +418,10 @@ def put_polytope_vo(
             chosen[k, 0], chosen[k, 1], heading, team.limits[i, 0], team.limits[i, 1], by.turn_time
         )
         if by.rounding > 0.0:
-            v = by.rounding * floor(v / by.rounding + 0.5)
+            most, fastest = team.limits[i, 0], team.limits[i, 1]
+            v = min(by.rounding * floor(v / by.rounding + 0.5), most)
             omega = by.rounding * floor(omega / by.rounding + 0.5)
+            omega = min(max(omega, -fastest), fastest)
         command[k, 0], command[k, 1] = v, omega
 
 

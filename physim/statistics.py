@@ -426,11 +426,13 @@ def duels(
     worlds, won, lost = (np.zeros(len(first), int) for _ in range(3))
     for k, table in enumerate(tables):
         seeds = table.shape[1]
+        if not seeds:
+            continue
         gap = (table[first] - table[second]).T  # (S, P)
         known = ~np.isnan(gap)
         counts = known.sum(axis=0) >= fewest
         gap, known = np.where(known & counts, gap, 0.0), known & counts
-        share = np.full(seeds, 1.0 / seeds) if seeds else np.zeros(0)
+        share = np.full(seeds, 1.0 / seeds)
         often = stream(0, "duels", k).multinomial(seeds, share, draws).astype(float)
         mean = gap.sum(axis=0) / np.maximum(known.sum(axis=0), 1)
         have = often @ known

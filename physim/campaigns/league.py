@@ -191,11 +191,17 @@ def chosen(league: League, names: Sequence[str]) -> list[Entrant]:
     """
     found = []
     for name in dict.fromkeys(names):
-        found.append(league.entrant(name) or Entrant(name=name, controller=name))
+        by_code = (one for one in league.entrants if ":" in name and one.controller == name)
+        found.append(league.entrant(name) or next(by_code, Entrant(name=name, controller=name)))
     found = found or [one for one in league.entrants if not one.is_own]
     made = []
     for one in found:
         known = [each.name for each in league.entrants]
+        if one.is_own and one.controller not in names:
+            raise PhysimError(
+                f"entrant {one.name}: {one.controller} is code of one's own, which runs only where "
+                f"the command line names it: --controllers {one.controller}"
+            )
         try:
             part = make_part(NAMED, one.controller, one.settings, trusted=True)
         except WorldError as error:

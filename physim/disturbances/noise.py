@@ -113,6 +113,8 @@ class Noise(Stage):
             )
         beyond = 3.0 * both * s.position
         for driver in world.drivers():
+            if ":" in driver.type:
+                continue  # code of one's own, of which no world may make one
             made = make_part(OF_ROBOTS, driver.type, driver.settings, where=driver.where)
             for name in ("distance_low", "boundary_low"):
                 kept = getattr(getattr(made, "settings", None), name, None)

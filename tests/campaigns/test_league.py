@@ -6,10 +6,12 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from physim import simulate
 from physim.campaigns import Processes, Row
+from physim.statistics import duels
 from physim.world.file import parse_world
 from tests.campaigns.samples import FIXED, rows_in
 from tests.campaigns.tables import failed, hit, row
@@ -241,3 +243,36 @@ def test_the_verdict_follows_the_runs(shares: dict[str, float], verdict: str, sa
     assert said in "".join(one if isinstance(one, str) else one.text for one in first)
     (one,) = found.verdicts
     assert (len(one.wins), len(one.loses)) == {HOLDS: (4, 0), FAILS: (0, 4), OPEN: (0, 0)}[verdict]
+
+
+def test_code_of_ones_own_runs_only_where_the_command_line_names_it(
+    here: Path, in_process: Processes, capsys: Any
+) -> None:
+    (here / "own.py").write_text(OWN, encoding="utf-8")
+    (here / "fixed.yaml").write_text(FIXED, encoding="utf-8")
+    text = PROGRAMME.replace("controller: mode_switching", 'controller: "own:Mine"')
+    (here / "league.yaml").write_text(text, encoding="utf-8")
+    done = run(capsys, "--programme", "league.yaml", "--controllers", "paper,deaf")
+    assert done.code == 2
+    assert "--controllers own:Mine" in done.err
+    assert not (here / "out").exists()
+    done = run(capsys, "--programme", "league.yaml", "--controllers", "own:Mine,deaf")
+    assert done.code == 0
+
+
+def test_noise_does_not_keep_ones_own_controller_out(
+    here: Path, in_process: Processes, capsys: Any
+) -> None:
+    (here / "own.py").write_text(OWN, encoding="utf-8")
+    text = FIXED + "sensing: {stages: [{type: noise, position: 0.01}]}\n"
+    (here / "noisy.yaml").write_text(text, encoding="utf-8")
+    done = run(capsys, "--controllers", "own:Mine", "--worlds", "noisy.yaml", "--seeds", "0:1")
+    assert done.code == 0
+    assert len(rows_in(here / "out")) == 1
+
+
+def test_a_world_that_nobody_can_drive_in_changes_no_duel() -> None:
+    drawn = np.random.default_rng(0).integers(0, 2, (2, 12)).astype(float)
+    (with_it,), (alone,) = duels([np.zeros((2, 0)), drawn]).values(), duels([drawn]).values()
+    assert with_it.difference == pytest.approx(alone.difference)
+    assert with_it.worlds == alone.worlds == 1

@@ -232,8 +232,8 @@ def _costs(
     when = {one.name: one.told for one in league.entrants}
     for (_, name), cell in rows.items():
         of = found["messages"][cell.rows]  # a view
-        if not when[name]:
-            of[:] = nan
+        if not when[name] or (when[name] == "always" and not np.nan_to_num(of).any()):
+            of[:] = nan  # nor does one whose decisions name nobody
         elif when[name] != "always":
             of[alone[cell.rows] | (when[name] == "never")] = 0.0
     return found

@@ -182,7 +182,12 @@ def content(found: Standings, folder: str, films: Sequence[Film], command: str) 
                 "processor time",
                 _hours(float(sum(r.cpu_seconds or 0.0 for r in found.outcomes.rows))),
             ),
-            ("tuning", found.league.budget or "not stated"),
+            (
+                "tuning",
+                found.league.budget
+                if any(one.settings for one in found.entrants)
+                else "no settings but the defaults",
+            ),
         ],
     )
 

@@ -99,7 +99,14 @@ def rows_in(folder: Path) -> list[Row]:
 
 def without_times(rows: Iterable[Row]) -> list[dict[str, Any]]:
     """All columns but those of the clock."""
-    return [{k: v for k, v in asdict(row).items() if not k.endswith("_seconds")} for row in rows]
+    return [
+        {
+            k: v
+            for k, v in asdict(row).items()
+            if not k.endswith("_seconds") and not k.startswith("decision_")
+        }
+        for row in rows
+    ]
 
 
 def lines_on_disk(folder: Path) -> int:

@@ -107,8 +107,10 @@ def command_changes(record: Record, column: int) -> float | None:
     """Sum of the changes of a number of the nominal commands, by size, per second of active time.
 
     ``column`` 0: v [m/s^2], 1: omega [rad/s^2]; of a mean robot. What a drive, a disturbance or the
-    physics makes of the commands has no say. None where no robot was active.
+    physics makes of the commands has no say. None where no robot was active, and of a judged log.
     """
+    if record.judged:
+        return None
     ends, sums, before = active_steps(record), np.zeros(record.robots), None
     for first, last in blocks(record):
         values = record.commands_over("nominal", first, last)[:, :, column]

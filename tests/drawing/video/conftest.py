@@ -21,7 +21,7 @@ FIELDS = (
     "time dt steps pose samples clearance boundary_clearance updates contacts bodies names "
     "footprints walls paths reference stop_station arrived modes accessible safe safe_distance "
     "name seed robots world_text commands shapes path setup record_every lead where begun_at begun"
-    " steps_made steps_run moving moving_pose judged origin"
+    " steps_made steps_run moving moving_pose judged origin pose_at"
 )
 
 
